@@ -1,0 +1,27 @@
+//! Robot, cell, object, task and plan as data, with the kinematics and dynamics of serial arms.
+//!
+//! Everything here is constant data that says what is; state (joint positions, poses) is passed in. Units
+//! are SI and radians, unmarked: a prismatic joint counts in m, N, a revolute one in rad, N·m.
+//!
+//! Frames: W world, B base, L1…Ln links (the frame of link k is the frame of joint k, at its child side),
+//! T tool, O object, H handle. A transform `a_from_b` maps coordinates in b to coordinates in a, so that
+//! names cancel: `world_from_tool = world_from_base * base_from_tool`.
+//!
+//! The tool frame T sits between the finger pads: its **x axis points out of the gripper** (the direction
+//! in which it approaches), its **y axis is the direction in which the fingers close**. A handle H on an
+//! object has its x axis pointing towards the object; the object is grasped when T and H coincide.
+//!
+//! Reading order: [`shape`], [`inertia`], [`robot`], [`cell`], [`object`], [`task`], [`plan`],
+//! [`execution`].
+
+pub mod cell;
+pub mod execution;
+pub mod inertia;
+pub mod object;
+pub mod plan;
+pub mod robot;
+pub mod shape;
+pub mod task;
+
+/// A rigid transform; the name of a variable says between which frames.
+pub type Pose = nalgebra::Isometry3<f64>;

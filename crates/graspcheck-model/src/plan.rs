@@ -1,0 +1,87 @@
+//! The result of planning, as data: what is executed and what is checked.
+
+use graspcheck_motion::Trajectory;
+use serde::{Deserialize, Serialize};
+
+use crate::Pose;
+
+/// A planned motion: what the controller is given and what is proved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Motion of the arm's joints.
+    pub trajectory: Trajectory,
+    /// Commanded opening of the gripper (one joint), m, over the same time.
+    pub opening: Trajectory,
+    /// The phases, one after the other without a gap, from 0 to the duration.
+    pub phases: Vec<Phase>,
+    /// How the object is held; none when nothing is grasped.
+    pub grasp: Option<Grasp>,
+}
+
+/// A stretch of the motion with one purpose.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Phase {
+    /// Its name, e.g. `carry`.
+    pub name: String,
+    /// When it begins, s.
+    pub start: f64,
+    /// When it ends, s.
+    pub end: f64,
+    /// Where the object is.
+    pub holding: Holding,
+}
+
+/// Where the object is during a phase.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Holding {
+    /// There is no object in the task.
+    Nothing,
+    /// It stands where it stood at the start.
+    AtStart,
+    /// It stands at the start and the fingers close on it.
+    Closing,
+    /// It moves with the tool.
+    Held,
+    /// It stands at its place and the fingers open.
+    Opening,
+    /// It stands at its place.
+    Placed,
+}
+
+/// How the object is held.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grasp {
+    /// Name of the handle.
+    pub handle: String,
+    /// From the object's frame to the tool's while it is held.
+    pub tool_from_object: Pose,
+    /// Distance between the pads on the object, m.
+    pub width: f64,
+    /// Opening with which the gripper approaches and leaves, m.
+    pub opening: f64,
+    /// Force of each finger, N.
+    pub force: f64,
+    /// Where the object stands at the start.
+    pub world_from_start: Pose,
+    /// Where the plan puts it down.
+    pub world_from_placed: Pose,
+}
+
+impl Plan {
+    /// When the plan ends, s.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.trajectory.duration()
+    }
+
+    /// The phase at time `t`; at a boundary the one that begins there, after the end the last.
+    ///
+    /// # Panics
+    /// When the plan has no phase, which no planner makes.
+    #[must_use]
+    pub fn phase_at(&self, t: f64) -> &Phase {
+        let index = self.phases.partition_point(|phase| phase.start <= t).max(1) - 1;
+        &self.phases[index]
+    }
+}

@@ -1,0 +1,117 @@
+//! What the robot is asked to do, and how fast.
+
+use nalgebra::{Point2, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::Pose;
+
+/// What the robot is asked to do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Task {
+    /// Grasp an object, carry it and put it down.
+    PickAndPlace(PickAndPlace),
+    /// Pass near Cartesian points by linear functions with parabolic blends (planar arms).
+    CartesianVia(CartesianVia),
+    /// Move through joint positions one segment after the other.
+    JointSegments(JointSegments),
+}
+
+/// Grasp the object at one of its handles, carry it and put it down.
+///
+/// Phases: `approach` (joint move to the pre-grasp pose), `descend` (straight), `close`, `lift`
+/// (straight), `carry` (joint move), `lower` (straight), `open`, `retreat` (straight).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PickAndPlace {
+    /// Where the arm starts, rad or m.
+    pub start: Vec<f64>,
+    /// Where the object must end.
+    pub world_from_placed: Pose,
+    /// How far before the handle the straight approach begins, along the handle's x axis, m.
+    pub pregrasp_distance: f64,
+    /// Straight move with the object from where it was grasped, world frame, m.
+    pub departure: Vector3<f64>,
+    /// The straight move that puts the object down begins this far from the place, world frame, m.
+    pub arrival: Vector3<f64>,
+    /// Straight move away after the release, against the tool's x axis, m.
+    pub retreat_distance: f64,
+    /// Force of each finger, N.
+    pub grip_force: f64,
+    /// How long the fingers are given to close, s.
+    pub close_duration: f64,
+    /// How long the fingers are given to open, s.
+    pub open_duration: f64,
+}
+
+/// Pass near points of the plane by linear functions with parabolic blends (LFPB).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CartesianVia {
+    /// The points in order of time.
+    pub points: Vec<ViaPoint>,
+    /// Duration of every blend, s.
+    pub blend: f64,
+    /// Which elbow the arm keeps, `left` (positive elbow angle) or `right`.
+    pub elbow: Elbow,
+    /// How far the joint polynomials may leave the Cartesian motion, m and rad.
+    pub tolerance: f64,
+}
+
+/// A point that an arm in the plane passes near at a given time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ViaPoint {
+    /// When, s.
+    pub t: f64,
+    /// The wrist (end of link 2) in the base frame, m.
+    pub wrist: Point2<f64>,
+    /// Absolute angle of link 3 against the x axis, literal (not wrapped), rad.
+    pub theta: f64,
+}
+
+/// The branch of the elbow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Elbow {
+    /// The second joint is at or above zero.
+    Left,
+    /// The second joint is below zero.
+    Right,
+}
+
+/// Move through joint positions one segment after the other. A segment whose `from` is not where the one
+/// before it ended is a jump, which the continuity check names.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointSegments {
+    /// In order of time.
+    pub segments: Vec<JointSegment>,
+}
+
+/// A straight move in joint space, from rest to rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointSegment {
+    /// A name for the phase.
+    pub name: String,
+    /// Where it starts, rad or m.
+    pub from: Vec<f64>,
+    /// Where it ends, rad or m.
+    pub to: Vec<f64>,
+}
+
+/// How fast the arm moves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pace {
+    /// Share of the velocity, acceleration and jerk limits that is used, 0 < share ≤ 1.
+    pub share: f64,
+    /// Phases that differ.
+    pub phases: Vec<PhasePace>,
+}
+
+/// How fast the arm moves in one phase.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PhasePace {
+    /// Name of the phase.
+    pub phase: String,
+    /// Share of the limits, where it differs.
+    pub share: Option<f64>,
+    /// Exact duration, s: the same law, stretched or compressed in time, even past the limits.
+    pub duration: Option<f64>,
+}

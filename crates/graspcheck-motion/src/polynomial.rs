@@ -1,0 +1,142 @@
+//! One scalar polynomial in local time.
+
+use serde::{Deserialize, Serialize};
+
+/// The highest degree that a [`Polynomial`] can have.
+pub const MAX_DEGREE: usize = 7;
+
+/// A scalar polynomial `p(τ) = Σ cₖ τᵏ` of degree at most [`MAX_DEGREE`] in local time τ, seconds.
+///
+/// Coefficients stand in ascending order of power; missing ones are zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Polynomial {
+    coefficients: [f64; MAX_DEGREE + 1],
+}
+
+impl Polynomial {
+    /// The polynomial with these coefficients, ascending by power.
+    ///
+    /// # Panics
+    /// Never; the length is bounded by the type.
+    #[must_use]
+    pub fn new<const N: usize>(coefficients: [f64; N]) -> Self {
+        const { assert!(N <= MAX_DEGREE + 1, "a Polynomial has at most 8 coefficients") };
+        let mut all = [0.0; MAX_DEGREE + 1];
+        all[..N].copy_from_slice(&coefficients);
+        Self { coefficients: all }
+    }
+
+    /// The polynomial that is `value` everywhere.
+    #[must_use]
+    pub fn constant(value: f64) -> Self {
+        Self::new([value])
+    }
+
+    /// The quintic on `[0, duration]` with the given position, velocity and acceleration at both ends
+    /// (Hermite interpolation of second order).
+    ///
+    /// `start` and `end` are `[q, qd, qdd]`; `duration` is positive, in seconds.
+    #[must_use]
+    pub fn quintic_hermite(start: [f64; 3], end: [f64; 3], duration: f64) -> Self {
+        let h = duration;
+        let dq = end[0] - start[0];
+        let (v0, v1, a0, a1) = (start[1] * h, end[1] * h, start[2] * h * h, end[2] * h * h);
+        let c3 = 10.0 * dq - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1;
+        let c4 = -15.0 * dq + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1;
+        let c5 = 6.0 * dq - 3.0 * (v0 + v1) - 0.5 * a0 + 0.5 * a1;
+        let (h3, h4, h5) = (h.powi(3), h.powi(4), h.powi(5));
+        Self::new([start[0], start[1], 0.5 * start[2], c3 / h3, c4 / h4, c5 / h5])
+    }
+
+    /// The coefficients, ascending by power.
+    #[must_use]
+    pub fn coefficients(&self) -> &[f64; MAX_DEGREE + 1] {
+        &self.coefficients
+    }
+
+    /// The highest power with a coefficient other than zero; 0 for a constant.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        self.coefficients.iter().rposition(|c| *c != 0.0).unwrap_or(0)
+    }
+
+    /// Value and first three derivatives at local time `tau`: `[q, qd, qdd, qddd]`.
+    #[must_use]
+    pub fn eval(&self, tau: f64) -> [f64; 4] {
+        let mut value = [0.0; 4];
+        for &c in self.coefficients.iter().rev() {
+            value[3] = value[3] * tau + value[2];
+            value[2] = value[2] * tau + value[1];
+            value[1] = value[1] * tau + value[0];
+            value[0] = value[0] * tau + c;
+        }
+        // Horner's scheme carries the k-th derivative divided by k!.
+        [value[0], value[1], 2.0 * value[2], 6.0 * value[3]]
+    }
+
+    /// The first derivative with respect to local time.
+    #[must_use]
+    pub fn derivative(&self) -> Self {
+        let mut coefficients = [0.0; MAX_DEGREE + 1];
+        for (k, c) in self.coefficients.iter().enumerate().skip(1) {
+            coefficients[k - 1] = k as f64 * c;
+        }
+        Self { coefficients }
+    }
+
+    /// The same polynomial in the local time that starts `shift` seconds later: `p(τ + shift)`.
+    #[must_use]
+    pub fn shifted(&self, shift: f64) -> Self {
+        // Repeated synthetic division (Taylor shift).
+        let mut c = self.coefficients;
+        for start in 0..MAX_DEGREE {
+            for k in (start..MAX_DEGREE).rev() {
+                c[k] += c[k + 1] * shift;
+            }
+        }
+        Self { coefficients: c }
+    }
+
+    /// Whether every coefficient is finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.coefficients.iter().all(|c| c.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn evaluates_value_and_three_derivatives() {
+        // cubic-2 of the worked examples: 50° -> 80° in 3 s, in degrees.
+        let p = Polynomial::new([50.0, 0.0, 10.0, -20.0 / 9.0]);
+        let [q, qd, qdd, qddd] = p.eval(1.0);
+        assert!((q - 57.777_777_777_777_78).abs() < 1e-12);
+        assert!((qd - 13.333_333_333_333_334).abs() < 1e-12);
+        assert!((qdd - 6.666_666_666_666_667).abs() < 1e-12);
+        assert!((qddd + 40.0 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn quintic_hermite_meets_both_ends() {
+        // quintic-1 of the worked examples: 0 -> 75° in 3 s, accelerations of 10°/s² at both ends.
+        let p = Polynomial::quintic_hermite([0.0, 0.0, 10.0], [75.0, 0.0, 10.0], 3.0);
+        let c = p.coefficients();
+        for (k, expected) in [0.0, 0.0, 5.0, 220.0 / 9.0, -40.0 / 3.0, 50.0 / 27.0].into_iter().enumerate() {
+            assert!((c[k] - expected).abs() < 1e-12, "a{k} = {} is not {expected}", c[k]);
+        }
+    }
+
+    #[test]
+    fn shifted_equals_evaluation_later() {
+        let p = Polynomial::new([1.0, -2.0, 3.0, 0.5, -0.25, 0.125, 0.7, -0.3]);
+        let later = p.shifted(0.3).eval(0.4);
+        let direct = p.eval(0.7);
+        for (a, b) in later.into_iter().zip(direct) {
+            assert!((a - b).abs() < 1e-13);
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! Paths, time scalings, via points and the grasp planner.

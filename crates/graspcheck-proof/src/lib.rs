@@ -1,0 +1,1 @@
+//! Continuous-time proofs of clearance and limits, kept as certificates.

@@ -1,0 +1,1 @@
+//! A recording as a Rerun file with a blueprint.

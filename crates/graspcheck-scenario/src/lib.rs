@@ -1,0 +1,1 @@
+//! Scenario and robot files: TOML to typed data, with every fault reported.

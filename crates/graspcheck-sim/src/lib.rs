@@ -1,0 +1,1 @@
+//! The rapier plant, its controllers and the grasp.

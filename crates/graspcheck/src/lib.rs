@@ -1,0 +1,1 @@
+//! Plan, prove, simulate, record and judge grasp motions of robot arms.

@@ -1,0 +1,1 @@
+//! Scenario suites and tests that span crates; everything is under `tests/`.
