@@ -12,7 +12,7 @@
 //! object has its x axis pointing towards the object; the object is grasped when T and H coincide.
 //!
 //! Reading order: [`shape`], [`inertia`], [`robot`], [`cell`], [`object`], [`task`], [`plan`],
-//! [`execution`].
+//! [`execution`], [`settings`].
 
 pub mod cell;
 pub mod execution;
@@ -20,6 +20,7 @@ pub mod inertia;
 pub mod object;
 pub mod plan;
 pub mod robot;
+pub mod settings;
 pub mod shape;
 pub mod task;
 
