@@ -1,0 +1,216 @@
+//! `graspcheck run`: the whole pipeline on one scenario or on a suite.
+
+use std::{
+    path::PathBuf,
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
+    thread,
+};
+
+use anstream::{eprint, eprintln, print, println};
+use graspcheck::{
+    Observer, Run, Scenario, Silent, exit, load,
+    report::{self, DIM, FAILED, NAME, PASSED, UNDECIDED},
+    run_scenario, store,
+    store::Stored,
+};
+use graspcheck_verify::Outcome;
+
+use super::{
+    progress::Progress,
+    select::{Selected, select},
+};
+
+const EXAMPLES: &str = "\
+Examples:
+  graspcheck run scenarios/scara/pick_cube.toml    one scenario, with its table of checks
+  graspcheck run scenarios                         the whole library
+  graspcheck run scara::                           one suite";
+
+/// Plan, prove, simulate, record and judge scenarios.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct RunArguments {
+    /// Files, folders, or names such as scara::pick_cube; a prefix selects many
+    #[arg(value_name = "SCENARIO", required = true)]
+    scenarios: Vec<String>,
+    /// Threads for a suite; the default is one for each core
+    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Plan and prove only
+    #[arg(long)]
+    no_simulate: bool,
+    /// Print what is not as expected and the summary; twice: print nothing
+    #[arg(short, long, action = clap::ArgAction::Count)]
+    quiet: u8,
+    /// Where to write
+    #[arg(long, value_name = "DIR", env = "GRASPCHECK_OUT", default_value = "target/graspcheck")]
+    out: PathBuf,
+}
+
+pub(super) fn execute(arguments: &RunArguments) -> u8 {
+    let selected = match select(&arguments.scenarios) {
+        Ok(selected) => selected,
+        Err(message) => {
+            eprintln!("error: {message}");
+            return exit::NOTHING_SELECTED;
+        }
+    };
+    match selected.as_slice() {
+        [] => {
+            eprintln!("error: there is no scenario in {}", arguments.scenarios.join(", "));
+            exit::NOTHING_SELECTED
+        }
+        [one] => one_scenario(one, arguments),
+        many => suite(many, arguments),
+    }
+}
+
+/// One scenario that came to its end, or the code and text of why it did not.
+type Ended = Result<(Scenario, Run, Stored), (u8, String)>;
+
+fn carry_out(selected: &Selected, arguments: &RunArguments, observer: &mut dyn Observer) -> Ended {
+    let mut scenario =
+        load(&selected.path).map_err(|error| (exit::INVALID_FILE, report::faults(&error, true)))?;
+    if arguments.no_simulate {
+        scenario.resolved.execution = None;
+    }
+    let run = run_scenario(&scenario, observer)
+        .map_err(|error| (report::exit_code(&error), report::no_run(&error, true)))?;
+    let stored = store::store(&run.recording, &scenario.resolved.name, &arguments.out)
+        .map_err(|error| (exit::BUG, format!("error: {error}\n")))?;
+    Ok((scenario, run, stored))
+}
+
+fn code_of(run: &Run) -> u8 {
+    match run.verdict.outcome {
+        _ if run.verdict.as_expected => exit::AS_EXPECTED,
+        Outcome::Inconclusive | Outcome::NotRequested => exit::INCONCLUSIVE,
+        Outcome::Pass | Outcome::Fail => exit::NOT_AS_EXPECTED,
+    }
+}
+
+fn one_scenario(selected: &Selected, arguments: &RunArguments) -> u8 {
+    let mut progress = Progress::new();
+    let ended = if arguments.quiet > 0 {
+        carry_out(selected, arguments, &mut Silent)
+    } else {
+        carry_out(selected, arguments, &mut progress)
+    };
+    let (scenario, run, stored) = match ended {
+        Ok(ended) => ended,
+        Err((code, text)) => {
+            if arguments.quiet < 2 {
+                eprint!("{text}");
+            }
+            return code;
+        }
+    };
+    let code = code_of(&run);
+    if arguments.quiet == 0 {
+        let size = std::fs::metadata(&stored.log).map_or(0, |metadata| metadata.len());
+        progress.line("Recorded", &format!("{:.1} MB of log", size as f64 / 1e6));
+        eprintln!();
+    }
+    if arguments.quiet == 0 || (arguments.quiet == 1 && code != exit::AS_EXPECTED) {
+        print!("{}", report::page(&run.verdict, &scenario.resolved.title, &run.plan.phases));
+        eprintln!("  log    {}", stored.log.display());
+        if let Some(rerun) = &stored.rerun {
+            eprintln!("  rerun  {}", rerun.display());
+        }
+    }
+    code
+}
+
+fn suite(selected: &[Selected], arguments: &RunArguments) -> u8 {
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    let threads = arguments.threads.map_or(cores, usize::from).min(selected.len());
+    let next = AtomicUsize::new(0);
+    let finished = AtomicUsize::new(0);
+    let results: Vec<Mutex<Option<Ended>>> = selected.iter().map(|_| Mutex::new(None)).collect();
+    if arguments.quiet == 0 {
+        eprintln!("{DIM}Running {} scenarios on {threads} threads{DIM:#}", selected.len());
+    }
+    thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                while let Some((index, scenario)) =
+                    Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|k| Some((k, selected.get(k)?)))
+                {
+                    let ended = carry_out(scenario, arguments, &mut Silent);
+                    let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
+                    if arguments.quiet == 0 {
+                        eprintln!("{}", line(scenario, &ended, count, selected.len()));
+                    }
+                    if let Ok(mut slot) = results[index].lock() {
+                        *slot = Some(ended);
+                    }
+                }
+            });
+        }
+    });
+    let ended: Vec<Ended> = results
+        .into_iter()
+        .map(|slot| match slot.into_inner() {
+            Ok(Some(ended)) => ended,
+            _ => Err((exit::BUG, "error: the run was lost in a panic\n".to_owned())),
+        })
+        .collect();
+    summary(selected, &ended, arguments)
+}
+
+fn line(scenario: &Selected, ended: &Ended, count: usize, of: usize) -> String {
+    let (style, word, detail) = match ended {
+        Ok((_, run, _)) => {
+            let code = code_of(run);
+            let style = match code {
+                exit::AS_EXPECTED => PASSED,
+                exit::INCONCLUSIVE => UNDECIDED,
+                _ => FAILED,
+            };
+            let word = if code == exit::AS_EXPECTED { "ok" } else { "FAIL" };
+            (style, word, report::last_line(&run.verdict))
+        }
+        Err((code, _)) => (FAILED, "ERROR", exit::meaning(*code).to_owned()),
+    };
+    format!("{style}{word:>5}{style:#} ({count:>2}/{of}) {NAME}{}{NAME:#}  {detail}", scenario.name)
+}
+
+/// What is not as expected, in order of names, then the counts.
+fn summary(selected: &[Selected], ended: &[Ended], arguments: &RunArguments) -> u8 {
+    let mut codes = Vec::with_capacity(ended.len());
+    for (scenario, ended) in selected.iter().zip(ended) {
+        let code = match ended {
+            Ok((loaded, run, _)) => {
+                let code = code_of(run);
+                if code != exit::AS_EXPECTED && arguments.quiet < 2 {
+                    println!("\n{}", report::page(&run.verdict, &loaded.resolved.title, &run.plan.phases));
+                }
+                code
+            }
+            Err((code, text)) => {
+                if arguments.quiet < 2 {
+                    eprintln!("\n{NAME}{}{NAME:#}\n{text}", scenario.name);
+                }
+                *code
+            }
+        };
+        codes.push(code);
+    }
+    let as_expected = codes.iter().filter(|code| **code == exit::AS_EXPECTED).count();
+    let negative = ended
+        .iter()
+        .filter(|ended| matches!(ended, Ok((_, run, _)) if run.verdict.as_expected && run.verdict.outcome == Outcome::Fail))
+        .count();
+    if arguments.quiet < 2 {
+        println!(
+            "\nSummary  {} scenarios: {as_expected} as expected ({negative} of them fail on purpose), {} not",
+            codes.len(),
+            codes.len() - as_expected
+        );
+        eprintln!("{DIM}  results  {}{DIM:#}", arguments.out.display());
+    }
+    exit::worst(&codes)
+}

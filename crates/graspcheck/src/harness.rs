@@ -1,0 +1,73 @@
+//! Scenario suites under `cargo test`: every scenario file is one named test.
+//!
+//! A suite of your own is a test target with `harness = false` and this as its whole source:
+//!
+//! ```no_run
+//! fn main() -> std::process::ExitCode {
+//!     graspcheck::harness::run("scenarios")
+//! }
+//! ```
+
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use libtest_mimic::{Arguments, Failed, Trial};
+
+use crate::{Silent, load, report, run_scenario, store};
+
+/// Runs every scenario under `root` as one test and returns the exit code of the whole.
+///
+/// Tests are named by folder and file, `scara::pick_cube`, and understand the arguments of `cargo test`
+/// and `cargo nextest`. Each writes its log under `target/graspcheck`. A folder without scenarios, or one
+/// that cannot be read, is a failing test: an empty suite is not a passing one.
+pub fn run(root: impl AsRef<Path>) -> ExitCode {
+    let arguments = Arguments::from_args();
+    let trials = trials(root.as_ref());
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+fn trials(root: &Path) -> Vec<Trial> {
+    let listed = match graspcheck_scenario::find(root) {
+        Ok(listed) => listed,
+        Err(error) => return vec![failing("suite", error.to_string())],
+    };
+    if listed.is_empty() {
+        return vec![failing("suite", format!("{}: there is no scenario in this folder", root.display()))];
+    }
+    let results = results_root(root);
+    listed
+        .into_iter()
+        .map(|scenario| {
+            let results = results.clone();
+            Trial::test(scenario.name.clone(), move || judge(&scenario.path, &scenario.name, &results))
+        })
+        .collect()
+}
+
+fn failing(name: &str, message: String) -> Trial {
+    Trial::test(name, move || Err(Failed::from(message)))
+}
+
+/// `target/graspcheck` beside the nearest `Cargo.lock` above the suite, else in the current folder.
+fn results_root(root: &Path) -> PathBuf {
+    let root = root.canonicalize().unwrap_or_else(|_| root.to_owned());
+    let workspace = root.ancestors().find(|folder| folder.join("Cargo.lock").is_file()).map(Path::to_owned);
+    workspace.unwrap_or_default().join("target").join("graspcheck")
+}
+
+fn judge(path: &Path, name: &str, results: &Path) -> Result<(), Failed> {
+    let scenario = load(path).map_err(|error| report::faults(&error, false))?;
+    let run = run_scenario(&scenario, &mut Silent).map_err(|error| report::no_run(&error, false))?;
+    let stored = store::store(&run.recording, name, results).map_err(|error| error.to_string())?;
+    if run.verdict.as_expected {
+        return Ok(());
+    }
+    Err(Failed::from(format!(
+        "{}\n\n  log     {}\n  again   cargo run -- run {}",
+        report::failure(&run.verdict),
+        stored.log.display(),
+        path.display()
+    )))
+}

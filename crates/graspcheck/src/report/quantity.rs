@@ -1,0 +1,161 @@
+//! Values with units as people read them: degrees and millimetres, with as many digits as matter.
+
+use graspcheck_verify::Unit;
+
+/// How a value that is not exact is rounded when it is shortened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rounding {
+    /// To the nearest, for values that were met.
+    Nearest,
+    /// Downwards, for lower bounds.
+    Down,
+    /// Upwards, for upper bounds.
+    Up,
+}
+
+/// Digits after the point beyond which two values that differ are shown as they are, equal or not.
+const MOST_DECIMALS: usize = 9;
+
+/// The unit for people, the factor from SI to it, and the usual number of digits after the point.
+fn display(unit: Unit, magnitude: f64) -> (&'static str, f64, usize) {
+    const DEG: f64 = 180.0 / std::f64::consts::PI;
+    // Three digits for forces and torques, whatever their size.
+    let three_digits = match magnitude {
+        m if m >= 100.0 => 0,
+        m if m >= 10.0 => 1,
+        _ => 2,
+    };
+    match unit {
+        Unit::One => ("", 1.0, 3),
+        Unit::Second => ("s", 1.0, 3),
+        Unit::Steps => ("steps", 1.0, 0),
+        Unit::Meter => ("mm", 1e3, 2),
+        Unit::MeterPerSecond => ("mm/s", 1e3, 0),
+        Unit::MeterPerSecond2 => ("mm/s²", 1e3, 0),
+        Unit::MeterPerSecond3 => ("mm/s³", 1e3, 0),
+        Unit::Radian => ("°", DEG, 1),
+        Unit::RadianPerSecond => ("°/s", DEG, 0),
+        Unit::RadianPerSecond2 => ("°/s²", DEG, 0),
+        Unit::RadianPerSecond3 => ("°/s³", DEG, 0),
+        Unit::Newton => ("N", 1.0, three_digits),
+        Unit::NewtonMeter => ("N·m", 1.0, three_digits),
+    }
+}
+
+/// A number with this many digits after the point.
+fn rounded(value: f64, decimals: usize, rounding: Rounding) -> String {
+    let scale = 10_f64.powi(i32::try_from(decimals).unwrap_or(0));
+    let shortened = match rounding {
+        Rounding::Nearest => value,
+        Rounding::Down => (value * scale).floor() / scale,
+        Rounding::Up => (value * scale).ceil() / scale,
+    };
+    let text = format!("{shortened:.decimals$}");
+    // A value that rounds to nothing has no sign.
+    match text.strip_prefix('-') {
+        Some(digits) if digits.chars().all(|c| c == '0' || c == '.') => digits.to_owned(),
+        _ => text,
+    }
+}
+
+fn with_unit(number: &str, symbol: &str) -> String {
+    match symbol {
+        "" => number.to_owned(),
+        s if s.starts_with('°') && s.len() == "°".len() => format!("{number}°"),
+        s => format!("{number} {s}"),
+    }
+}
+
+/// A value in the unit for people.
+#[must_use]
+pub fn quantity(value: f64, unit: Unit, rounding: Rounding) -> String {
+    if !value.is_finite() {
+        return value.to_string();
+    }
+    let (symbol, factor, decimals) = display(unit, value.abs());
+    with_unit(&rounded(value * factor, decimals, rounding), symbol)
+}
+
+/// A value and its limit in the unit for people, with as many digits as it takes for them to differ.
+#[must_use]
+pub fn against(value: f64, limit: f64, unit: Unit, rounding: Rounding) -> (String, String) {
+    if !(value.is_finite() && limit.is_finite()) {
+        return (quantity(value, unit, rounding), quantity(limit, unit, Rounding::Nearest));
+    }
+    let (symbol, factor, usual) = display(unit, value.abs().max(limit.abs()));
+    let (value, limit) = (value * factor, limit * factor);
+    let mut decimals = usual;
+    loop {
+        let (v, l) = (rounded(value, decimals, rounding), rounded(limit, decimals, Rounding::Nearest));
+        let told_apart = v != l || (value - limit).abs() <= f64::EPSILON * limit.abs();
+        if told_apart || decimals >= MOST_DECIMALS {
+            return (with_unit(&v, symbol), with_unit(&l, symbol));
+        }
+        decimals += 1;
+    }
+}
+
+/// A margin with its sign: a share of the limit in percent, or a length, angle or count in its unit.
+#[must_use]
+pub fn margin(value: f64, is_share: bool, unit: Unit) -> String {
+    if !value.is_finite() {
+        return value.to_string();
+    }
+    // A margin is room that is left: it is never shown larger than it is.
+    let (number, symbol) = if is_share {
+        (rounded(value * 100.0, 1, Rounding::Down), "%")
+    } else {
+        let (symbol, factor, decimals) = display(unit, value.abs());
+        (rounded(value * factor, decimals, Rounding::Down), symbol)
+    };
+    let sign = if number.starts_with('-') { "" } else { "+" };
+    with_unit(&format!("{sign}{number}"), symbol)
+}
+
+/// An instant, s.
+#[must_use]
+pub fn instant(t: f64) -> String {
+    format!("{t:.3} s")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_are_millimetres_and_angles_degrees() {
+        assert_eq!(quantity(0.004_069, Unit::Meter, Rounding::Nearest), "4.07 mm");
+        assert_eq!(quantity(std::f64::consts::PI, Unit::Radian, Rounding::Nearest), "180.0°");
+        assert_eq!(quantity(9.0_f64.to_radians(), Unit::RadianPerSecond, Rounding::Nearest), "9 °/s");
+        assert_eq!(quantity(3500.0, Unit::NewtonMeter, Rounding::Nearest), "3500 N·m");
+        assert_eq!(quantity(10.63, Unit::NewtonMeter, Rounding::Up), "10.7 N·m");
+    }
+
+    #[test]
+    fn bounds_round_outwards() {
+        assert_eq!(quantity(0.006_999, Unit::Meter, Rounding::Down), "6.99 mm");
+        assert_eq!(quantity(0.006_991, Unit::Meter, Rounding::Up), "7.00 mm");
+    }
+
+    #[test]
+    fn value_and_limit_have_digits_enough_to_differ() {
+        let (value, limit) = against(0.004_999_6, 0.005, Unit::Meter, Rounding::Nearest);
+        assert_eq!((value.as_str(), limit.as_str()), ("4.9996 mm", "5.0000 mm"));
+        let (value, limit) = against(0.005, 0.005, Unit::Meter, Rounding::Nearest);
+        assert_eq!((value.as_str(), limit.as_str()), ("5.00 mm", "5.00 mm"));
+    }
+
+    #[test]
+    fn margins_carry_a_sign_and_never_flatter() {
+        assert_eq!(margin(0.1, true, Unit::One), "+10.0 %");
+        assert_eq!(margin(-0.0376, true, Unit::One), "-3.8 %");
+        assert_eq!(margin(0.001_999, false, Unit::Meter), "+1.99 mm");
+        assert_eq!(margin(-0.000_931, false, Unit::Meter), "-0.94 mm");
+    }
+
+    #[test]
+    fn what_is_not_finite_is_shown_as_such() {
+        assert_eq!(quantity(f64::NAN, Unit::Meter, Rounding::Nearest), "NaN");
+        assert_eq!(margin(f64::INFINITY, false, Unit::Meter), "inf");
+    }
+}
