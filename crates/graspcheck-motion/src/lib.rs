@@ -7,10 +7,20 @@
 //! Symbols used as names in this crate: `q qd qdd qddd` are position, velocity, acceleration and jerk of a
 //! joint. Units are SI and radians: a revolute joint counts in rad, a prismatic one in m, time in s.
 //!
-//! Reading order: [`polynomial`], [`trajectory`].
+//! Extrema are computed, not sampled, in two independent ways: exactly by the derivative chain
+//! ([`extrema`], [`peaks`]) and as rounding-safe bounds from Bernstein coefficients ([`bernstein`]).
+//!
+//! Reading order: [`polynomial`], [`trajectory`], [`continuity`], [`extrema`], [`peaks`], [`bernstein`].
 
+pub mod bernstein;
+pub mod continuity;
+pub mod extrema;
+pub mod peaks;
 pub mod polynomial;
 pub mod trajectory;
 
+pub use continuity::{Continuity, ContinuityClass, Jump};
+pub use extrema::Extremum;
+pub use peaks::Peak;
 pub use polynomial::Polynomial;
 pub use trajectory::{Break, MotionState, Trajectory, TrajectoryError};

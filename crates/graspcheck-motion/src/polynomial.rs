@@ -78,9 +78,17 @@ impl Polynomial {
     /// The first derivative with respect to local time.
     #[must_use]
     pub fn derivative(&self) -> Self {
+        self.derivative_of_order(1)
+    }
+
+    /// The derivative of the given order with respect to local time; each coefficient is rounded once.
+    #[must_use]
+    pub fn derivative_of_order(&self, order: usize) -> Self {
         let mut coefficients = [0.0; MAX_DEGREE + 1];
-        for (k, c) in self.coefficients.iter().enumerate().skip(1) {
-            coefficients[k - 1] = k as f64 * c;
+        if let Some(factors) = FALLING_FACTORIALS.get(order) {
+            for ((c, factor), from) in coefficients.iter_mut().zip(factors).zip(&self.coefficients[order..]) {
+                *c = factor * from;
+            }
         }
         Self { coefficients }
     }
@@ -98,12 +106,40 @@ impl Polynomial {
         Self { coefficients: c }
     }
 
+    /// This polynomial with `value` added: `p(τ) + value`.
+    #[must_use]
+    pub fn plus(&self, value: f64) -> Self {
+        let mut raised = *self;
+        raised.coefficients[0] += value;
+        raised
+    }
+
+    /// The polynomial of the coefficients' magnitudes `Σ |cₖ| τᵏ`: what rounding errors are relative to.
+    pub(crate) fn magnitudes(&self) -> Self {
+        Self { coefficients: self.coefficients.map(f64::abs) }
+    }
+
     /// Whether every coefficient is finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.coefficients.iter().all(|c| c.is_finite())
     }
 }
+
+/// Entry `[k][i]` is (i + k)! / i!, the factor of τⁱ in the k-th derivative of τⁱ⁺ᵏ.
+const FALLING_FACTORIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = {
+    let mut table = [[1.0; MAX_DEGREE + 1]; MAX_DEGREE + 1];
+    let mut k = 1;
+    while k <= MAX_DEGREE {
+        let mut i = 0;
+        while i <= MAX_DEGREE {
+            table[k][i] = table[k - 1][i] * (i + k) as f64;
+            i += 1;
+        }
+        k += 1;
+    }
+    table
+};
 
 #[cfg(test)]
 mod tests {
@@ -128,6 +164,20 @@ mod tests {
         for (k, expected) in [0.0, 0.0, 5.0, 220.0 / 9.0, -40.0 / 3.0, 50.0 / 27.0].into_iter().enumerate() {
             assert!((c[k] - expected).abs() < 1e-12, "a{k} = {} is not {expected}", c[k]);
         }
+    }
+
+    #[test]
+    fn derivatives_of_every_order() {
+        let p = Polynomial::new([1.0, -2.0, 3.0, 0.5, -0.25, 0.125, 0.7, -0.3]);
+        let mut repeated = p;
+        for order in 0..=MAX_DEGREE + 1 {
+            let direct = p.derivative_of_order(order);
+            for (a, b) in direct.coefficients().iter().zip(repeated.coefficients()) {
+                assert!((a - b).abs() <= 1e-12 * b.abs(), "order {order}: {direct:?} is not {repeated:?}");
+            }
+            repeated = repeated.derivative();
+        }
+        assert_eq!(Polynomial::new([0.0, 0.0, 0.0, 5.0]).derivative_of_order(3), Polynomial::constant(30.0));
     }
 
     #[test]

@@ -2,13 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::continuity::find_breaks;
 use crate::polynomial::Polynomial;
 
-/// How far value, velocity or acceleration may differ on the two sides of a knot that counts as smooth,
-/// relative to the largest magnitude that the quantity has at the knots (and at least 1 in SI units).
+/// How far position, velocity or acceleration may differ on the two sides of a knot that counts as smooth,
+/// relative to the largest magnitude that the quantity of this joint has at a knot (and at least 1 in SI
+/// units). On top comes the rounding of evaluation itself, which matters on pieces of microseconds.
 ///
-/// The reason: pieces are built by formulas of about ten operations on numbers of that magnitude, each
-/// with a rounding error of 1.1e-16; a thousand times that is rounding, more is a jump.
+/// The reason: knots are sums of durations, so that an end is met to about 1e-15 s, and a jerk of
+/// 1e5 rad/s³ turns that into 1e-10 rad/s²; a step of 1e-9 rad/s² is beyond what any drive can show.
 pub const SMOOTH_TOLERANCE: f64 = 1e-9;
 
 /// A knot at which position, velocity or acceleration jumps.
@@ -60,6 +62,16 @@ pub enum TrajectoryError {
         /// `(knots - 1) * dof`.
         expected: usize,
         /// How many were given.
+        count: usize,
+    },
+    /// In a file, an interval does not have one polynomial for each joint.
+    #[error("piece {piece}: {count} polynomials must be {dof}, one for each joint")]
+    WrongJointCount {
+        /// Index of the interval.
+        piece: usize,
+        /// How many joints there are.
+        dof: usize,
+        /// How many polynomials the interval has.
         count: usize,
     },
     /// A coefficient is NaN or infinite.
@@ -145,6 +157,10 @@ impl TryFrom<TrajectoryData> for Trajectory {
     type Error = TrajectoryError;
 
     fn try_from(data: TrajectoryData) -> Result<Self, TrajectoryError> {
+        if let Some(piece) = data.coefficients.iter().position(|joints| joints.len() != data.dof) {
+            let count = data.coefficients[piece].len();
+            return Err(TrajectoryError::WrongJointCount { piece, dof: data.dof, count });
+        }
         Self::new(data.dof, data.knots, data.coefficients.into_iter().flatten().collect())
     }
 }
@@ -258,6 +274,11 @@ impl Trajectory {
         &self.pieces[piece * self.dof + joint]
     }
 
+    /// All polynomials: those of all joints on the first interval, then on the second, …
+    pub(crate) fn pieces(&self) -> &[Polynomial] {
+        &self.pieces
+    }
+
     /// The polynomials of all joints on an interval.
     ///
     /// # Panics
@@ -313,48 +334,16 @@ impl Trajectory {
     /// at rest.
     ///
     /// # Panics
-    /// When `t` is negative or `state` was made for another number of joints.
+    /// When `t` is negative or not a number, or `state` was made for another number of joints.
     pub fn eval_held(&self, t: f64, state: &mut MotionState) {
-        self.eval_into(t.min(self.duration()), state);
-        if t > self.duration() {
+        let ended = t > self.duration();
+        self.eval_into(if ended { self.duration() } else { t }, state);
+        if ended {
             state.qd.fill(0.0);
             state.qdd.fill(0.0);
             state.qddd.fill(0.0);
         }
     }
-}
-
-/// The knots at which position, velocity or acceleration differs on the two sides.
-fn find_breaks(dof: usize, knots: &[f64], pieces: &[Polynomial]) -> Vec<Break> {
-    let piece_count = knots.len() - 1;
-    let ends: Vec<[f64; 4]> = (0..piece_count)
-        .flat_map(|piece| {
-            let h = knots[piece + 1] - knots[piece];
-            pieces[piece * dof..(piece + 1) * dof].iter().map(move |p| p.eval(h))
-        })
-        .collect();
-    let starts: Vec<[f64; 4]> = pieces.iter().map(|p| p.eval(0.0)).collect();
-    let mut scale = vec![[1.0_f64; 3]; dof];
-    for (index, values) in ends.iter().chain(&starts).enumerate() {
-        for (order, s) in scale[index % dof].iter_mut().enumerate() {
-            *s = s.max(values[order].abs());
-        }
-    }
-    let mut breaks = Vec::new();
-    for knot in 1..piece_count {
-        let jump_of = |order: usize| -> Vec<f64> {
-            (0..dof)
-                .map(|joint| starts[knot * dof + joint][order] - ends[(knot - 1) * dof + joint][order])
-                .collect()
-        };
-        let found = (0..3).map(|order| (order, jump_of(order))).find(|(order, jump)| {
-            jump.iter().zip(&scale).any(|(j, s)| j.abs() > SMOOTH_TOLERANCE * s[*order])
-        });
-        if let Some((order, jump)) = found {
-            breaks.push(Break { knot, order, jump });
-        }
-    }
-    breaks
 }
 
 #[cfg(test)]

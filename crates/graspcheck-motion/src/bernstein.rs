@@ -1,0 +1,155 @@
+//! Bounds on a polynomial from its Bernstein coefficients, safe against rounding.
+//!
+//! On `[0, h]` a polynomial `Σ cₖ τᵏ` of degree n is a convex combination of its Bernstein coefficients
+//! `bᵢ = Σ_{k≤i} C(i,k)/C(n,k) cₖ hᵏ`, so that it lies between the least and the greatest of them; `b₀` and
+//! `bₙ` are its values at the ends (Farouki, "The Bernstein polynomial basis: a centennial retrospective",
+//! 2012, section 3). Halving the interval by de Casteljau's scheme brings the bounds together
+//! quadratically. No root is computed: this is the second way to the same statement as [`crate::extrema`],
+//! and the cheaper one when there is room below the limit.
+//!
+//! **Rounding.** Let m be the degree of the derivative of order k, and u = ε/2. Forming `cᵢ hⁱ / C(m,i)` takes
+//! at most m + 2 roundings and summing m, which is an error of (2m + 2) u Σ|cᵢ hⁱ|. [`Polynomial::eval`],
+//! for which the bound shall hold too, rounds each term at most 2(m + k) + 2 times. Together that is
+//! (2m + k + 2) ε Σ|cᵢ hⁱ|; one ε more stands for the terms of second order. Each halving adds at most m u
+//! times the largest coefficient, which Σ|cᵢ hⁱ| bounds.
+
+use crate::polynomial::{MAX_DEGREE, Polynomial};
+
+/// The outcome of [`proves_within`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Proof {
+    /// The derivative is within the limits on the whole interval.
+    Within,
+    /// It is outside at this instant.
+    Outside {
+        /// Local time, s.
+        tau: f64,
+    },
+    /// Its extremum is so near to a limit that rounding decides, evaluation overflows, or a limit is NaN.
+    Undecided,
+}
+
+/// How often an interval is halved before a proof gives up: to a width of about 1e-12 of the whole.
+const MAX_HALVINGS: u32 = 40;
+
+/// A lower and an upper bound on the derivative of the given order on `[0, h]`, in the derivative's unit.
+///
+/// The bounds hold for the exact values of the polynomial with these coefficients and for what
+/// [`Polynomial::eval`] computes. They are NaN, or the infinite interval, when `h` or a product overflows.
+#[must_use]
+pub fn bounds(polynomial: &Polynomial, order: usize, h: f64) -> [f64; 2] {
+    let form = Form::new(polynomial, order, h);
+    let [low, high] = form.hull();
+    [low - form.slack, high + form.slack]
+}
+
+/// Whether the derivative of the given order stays within `[lower, upper]` on `[0, h]`, proved by
+/// subdivision. `Within` and `Outside` are proofs, also against rounding.
+#[must_use]
+pub fn proves_within(polynomial: &Polynomial, order: usize, h: f64, lower: f64, upper: f64) -> Proof {
+    if lower.is_nan() || upper.is_nan() {
+        return Proof::Undecided;
+    }
+    Form::new(polynomial, order, h).prove(lower, upper, [0.0, h], 0)
+}
+
+/// A polynomial in Bernstein form on some interval.
+#[derive(Clone, Copy)]
+struct Form {
+    degree: usize,
+    coefficients: [f64; MAX_DEGREE + 1],
+    /// How far rounding may have moved them.
+    slack: f64,
+    /// What each halving adds to the slack.
+    slack_of_halving: f64,
+}
+
+impl Form {
+    #[inline]
+    fn new(polynomial: &Polynomial, order: usize, h: f64) -> Self {
+        let degree = polynomial.degree().saturating_sub(order);
+        let mut b = *polynomial.derivative_of_order(order).coefficients();
+        let mut power = 1.0;
+        let mut sum = 0.0;
+        for (c, choose) in b[..=degree].iter_mut().zip(&BINOMIALS[degree]) {
+            *c *= power;
+            sum += c.abs();
+            *c /= choose;
+            power *= h;
+        }
+        // The binomial transform by repeated sums of neighbours.
+        for pass in 1..=degree {
+            for i in (pass..=degree).rev() {
+                b[i] += b[i - 1];
+            }
+        }
+        let slack = (2 * degree + order + 3) as f64 * f64::EPSILON * sum + f64::MIN_POSITIVE;
+        Self { degree, coefficients: b, slack, slack_of_halving: 0.5 * degree as f64 * f64::EPSILON * sum }
+    }
+
+    /// The least and the greatest coefficient; NaN when one is.
+    #[inline]
+    fn hull(&self) -> [f64; 2] {
+        let first = self.coefficients[0];
+        self.coefficients[1..=self.degree].iter().fold([first, first], |[low, high], &b| {
+            if b.is_nan() { [b, b] } else { [if b < low { b } else { low }, if b > high { b } else { high }] }
+        })
+    }
+
+    fn prove(&self, lower: f64, upper: f64, [from, to]: [f64; 2], halvings: u32) -> Proof {
+        let [low, high] = self.hull();
+        if low - self.slack >= lower && high + self.slack <= upper {
+            return Proof::Within;
+        }
+        for (value, tau) in [(self.coefficients[0], from), (self.coefficients[self.degree], to)] {
+            if value + self.slack < lower || value - self.slack > upper {
+                return Proof::Outside { tau };
+            }
+        }
+        let may_be_better = low + self.slack < high - self.slack;
+        if halvings == MAX_HALVINGS || !may_be_better {
+            return Proof::Undecided;
+        }
+        let middle = 0.5 * (from + to);
+        let [first, second] = self.halved();
+        // A violation in the second half outranks doubt in the first.
+        match first.prove(lower, upper, [from, middle], halvings + 1) {
+            Proof::Within => second.prove(lower, upper, [middle, to], halvings + 1),
+            outside @ Proof::Outside { .. } => outside,
+            Proof::Undecided => match second.prove(lower, upper, [middle, to], halvings + 1) {
+                outside @ Proof::Outside { .. } => outside,
+                Proof::Within | Proof::Undecided => Proof::Undecided,
+            },
+        }
+    }
+
+    /// The same polynomial on the two halves of the interval (de Casteljau).
+    fn halved(&self) -> [Self; 2] {
+        let mut first = *self;
+        first.slack += self.slack_of_halving;
+        let mut second = first;
+        let n = self.degree;
+        for pass in 1..=n {
+            for i in 0..=n - pass {
+                second.coefficients[i] = 0.5 * (second.coefficients[i] + second.coefficients[i + 1]);
+            }
+            first.coefficients[pass] = second.coefficients[0];
+        }
+        [first, second]
+    }
+}
+
+/// Entry `[n][k]` is the binomial coefficient C(n, k).
+const BINOMIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = {
+    let mut table = [[1.0; MAX_DEGREE + 1]; MAX_DEGREE + 1];
+    let mut n = 2;
+    while n <= MAX_DEGREE {
+        let mut k = 1;
+        while k < n {
+            table[n][k] = table[n - 1][k - 1] + table[n - 1][k];
+            k += 1;
+        }
+        n += 1;
+    }
+    table
+};

@@ -1,0 +1,139 @@
+//! How smooth a motion is where its pieces meet.
+
+use crate::polynomial::Polynomial;
+use crate::trajectory::{Break, SMOOTH_TOLERANCE, Trajectory};
+
+/// How many derivatives of a motion are continuous. The order is from rough to smooth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ContinuityClass {
+    /// A position jumps.
+    Discontinuous,
+    /// Positions are continuous, a velocity jumps.
+    C0,
+    /// Velocities are continuous too, an acceleration jumps.
+    C1,
+    /// Accelerations are continuous too; jerks may step.
+    C2,
+}
+
+/// A jump of one derivative of one joint at a knot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jump {
+    /// When, s.
+    pub time: f64,
+    /// The joint that jumps.
+    pub joint: usize,
+    /// What jumps: 0 position, 1 velocity, 2 acceleration.
+    pub order: usize,
+    /// The limit from the right minus the limit from the left, SI units.
+    pub size: f64,
+}
+
+/// The continuity class of a motion and every jump in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Continuity {
+    /// The class of the roughest knot.
+    pub class: ContinuityClass,
+    /// All jumps by time, then joint, then order. A joint whose velocity jumps may have a jump of the
+    /// acceleration at the same knot: both are listed.
+    pub jumps: Vec<Jump>,
+}
+
+impl Trajectory {
+    /// The continuity class of the motion inside `(0, duration)`, and every jump larger than
+    /// [`SMOOTH_TOLERANCE`] allows.
+    #[must_use]
+    pub fn continuity(&self) -> Continuity {
+        let knots = Knots::new(self.dof(), self.knots(), self.pieces());
+        let mut jumps = Vec::new();
+        for found in self.breaks() {
+            for (joint, step) in knots.steps(found.knot).enumerate() {
+                let time = self.knots()[found.knot];
+                jumps.extend((0..3).filter(|&order| step.jumps(order)).map(|order| Jump {
+                    time,
+                    joint,
+                    order,
+                    size: step.size[order],
+                }));
+            }
+        }
+        let class = match self.breaks().iter().map(|found| found.order).min() {
+            Some(0) => ContinuityClass::Discontinuous,
+            Some(1) => ContinuityClass::C0,
+            Some(_) => ContinuityClass::C1,
+            None => ContinuityClass::C2,
+        };
+        Continuity { class, jumps }
+    }
+}
+
+/// The knots at which position, velocity or acceleration differs on the two sides.
+pub(crate) fn find_breaks(dof: usize, knots: &[f64], pieces: &[Polynomial]) -> Vec<Break> {
+    let mut found = Vec::new();
+    let all = Knots::new(dof, knots, pieces);
+    for knot in 1..knots.len() - 1 {
+        let order = all.steps(knot).filter_map(|step| (0..3).find(|&order| step.jumps(order))).min();
+        if let Some(order) = order {
+            found.push(Break { knot, order, jump: all.steps(knot).map(|step| step.size[order]).collect() });
+        }
+    }
+    found
+}
+
+/// The pieces of a motion, and what counts as rounding where they meet.
+struct Knots<'a> {
+    dof: usize,
+    knots: &'a [f64],
+    pieces: &'a [Polynomial],
+    /// For each joint the largest position, velocity and acceleration at a knot, at least 1.
+    scales: Vec<[f64; 3]>,
+}
+
+/// What changes at a knot for one joint: right minus left, and how much rounding can account for.
+struct Step {
+    size: [f64; 3],
+    tolerance: [f64; 3],
+}
+
+impl Step {
+    /// Whether this derivative jumps; a step that is not a number does.
+    fn jumps(&self, order: usize) -> bool {
+        !(self.size[order].abs() <= self.tolerance[order])
+    }
+}
+
+impl<'a> Knots<'a> {
+    fn new(dof: usize, knots: &'a [f64], pieces: &'a [Polynomial]) -> Self {
+        let mut scales = vec![[1.0_f64; 3]; dof];
+        for (index, polynomial) in pieces.iter().enumerate() {
+            let piece = index / dof;
+            for values in [polynomial.eval(0.0), polynomial.eval(knots[piece + 1] - knots[piece])] {
+                for (scale, value) in scales[index % dof].iter_mut().zip(values) {
+                    *scale = scale.max(value.abs());
+                }
+            }
+        }
+        Self { dof, knots, pieces, scales }
+    }
+
+    /// The steps of all joints at an inner knot.
+    fn steps(&self, knot: usize) -> impl Iterator<Item = Step> {
+        /// A coefficient is the result of about ten operations and evaluation takes twenty more. On a
+        /// short piece the terms of an acceleration can be far larger than their sum.
+        const ROUNDING: f64 = 100.0 * f64::EPSILON;
+
+        let duration = self.knots[knot] - self.knots[knot - 1];
+        (0..self.dof).map(move |joint| {
+            let before = &self.pieces[(knot - 1) * self.dof + joint];
+            let left = before.eval(duration);
+            let right = self.pieces[knot * self.dof + joint].eval(0.0);
+            let terms = before.magnitudes().eval(duration);
+            Step {
+                size: std::array::from_fn(|order| right[order] - left[order]),
+                tolerance: std::array::from_fn(|order| {
+                    SMOOTH_TOLERANCE * self.scales[joint][order] + ROUNDING * terms[order]
+                }),
+            }
+        })
+    }
+}

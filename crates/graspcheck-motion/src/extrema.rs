@@ -1,0 +1,230 @@
+//! Exact extrema of a polynomial and of its derivatives on an interval.
+//!
+//! The method is the derivative chain. Let m be the degree of p. Its m-th derivative is constant. Between
+//! two neighbouring roots of p⁽ᵏ⁺¹⁾ the derivative p⁽ᵏ⁾ is monotone, so that it has there at most one
+//! root, which a change of sign reveals. Descending from k = m, each step evaluates p⁽ᵏ⁾ at the roots of
+//! p⁽ᵏ⁺¹⁾ and at both ends: the least and the greatest of these values are the extrema of p⁽ᵏ⁾, and the
+//! changes of sign among them enclose its roots, which the next step needs. Nothing is sampled.
+//!
+//! A value that rounding alone could have made counts as zero at the very point where it was found. Had
+//! the true root been beside it, the derivative would be within rounding of zero all the way there, and
+//! the extremum would not differ by more than that.
+
+use crate::polynomial::{MAX_DEGREE, Polynomial};
+
+/// The least or greatest value that a derivative takes on an interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extremum {
+    /// The value, in the unit of the derivative (rad, rad/s, … or m, m/s, …).
+    pub value: f64,
+    /// Where it is taken, local time, s; the earliest place among those that were compared.
+    pub tau: f64,
+}
+
+/// The most points that a [`Monotone`] has: both ends and the roots of a derivative between them.
+const MAX_POINTS: usize = MAX_DEGREE + 1;
+
+/// One derivative of a polynomial on an interval, cut into stretches on which it is monotone.
+pub(crate) struct Monotone {
+    /// The derivative.
+    pub(crate) function: Polynomial,
+    count: usize,
+    taus: [f64; MAX_POINTS],
+    values: [f64; MAX_POINTS],
+}
+
+impl Monotone {
+    /// The points in order of time, each with the value there; the derivative is monotone between them.
+    pub(crate) fn points(&self) -> impl Iterator<Item = Extremum> {
+        let pairs = self.taus[..self.count].iter().zip(&self.values[..self.count]);
+        pairs.map(|(&tau, &value)| Extremum { value, tau })
+    }
+
+    /// The least and the greatest value; NaN when a value is.
+    fn range(&self) -> [Extremum; 2] {
+        let first = Extremum { value: self.values[0], tau: self.taus[0] };
+        let mut range = [first, first];
+        for point in self.points() {
+            if point.value.is_nan() {
+                return [point, point];
+            }
+            if point.value < range[0].value {
+                range[0] = point;
+            }
+            if point.value > range[1].value {
+                range[1] = point;
+            }
+        }
+        range
+    }
+}
+
+impl Polynomial {
+    /// The least and the greatest value of the `order`-th derivative on `[a, b]`, in this order, exact to
+    /// rounding. Order 0 is the polynomial itself, 1 the velocity, 2 the acceleration, 3 the jerk; higher
+    /// orders are computed just so.
+    ///
+    /// `a` and `b` are local times in s; either may be the smaller. When an end, or a value on the way, is
+    /// NaN, so is the result: no comparison with a limit then holds.
+    #[must_use]
+    pub fn range(&self, order: usize, a: f64, b: f64) -> [Extremum; 2] {
+        self.monotone(order, a, b).range()
+    }
+
+    /// As [`Polynomial::range`] for position, velocity, acceleration and jerk at once: entry `k` belongs to
+    /// the `k`-th derivative. It takes no longer than the range of the position alone.
+    #[must_use]
+    pub fn ranges(&self, a: f64, b: f64) -> [[Extremum; 2]; 4] {
+        let mut ranges = [[Extremum { value: 0.0, tau: a.min(b) }; 2]; 4];
+        self.descend(0, a, b, |order, monotone| {
+            if let Some(range) = ranges.get_mut(order) {
+                *range = monotone.range();
+            }
+        });
+        ranges
+    }
+
+    /// The `order`-th derivative on `[a, b]`, cut into monotone stretches.
+    pub(crate) fn monotone(&self, order: usize, a: f64, b: f64) -> Monotone {
+        self.descend(order, a, b, |_, _| ())
+    }
+
+    /// Goes down the chain from the derivative that is constant to the one of order `lowest`, shows each to
+    /// `visit`, and returns the last.
+    #[inline]
+    fn descend(&self, lowest: usize, a: f64, b: f64, mut visit: impl FnMut(usize, &Monotone)) -> Monotone {
+        let ends = if a.is_nan() || b.is_nan() { [f64::NAN; 2] } else { [a.min(b), a.max(b)] };
+        let top = self.degree();
+        let mut order = top.max(lowest);
+        let mut taus = [ends[0]; MAX_POINTS];
+        taus[1] = ends[1];
+        let mut count = 2;
+        loop {
+            let function = self.derivative_of_order(order);
+            let degree = top.saturating_sub(order);
+            let mut monotone = Monotone { function, count, taus, values: [0.0; MAX_POINTS] };
+            for (value, &tau) in monotone.values.iter_mut().zip(&taus[..count]) {
+                *value = function.value(degree, tau);
+            }
+            visit(order, &monotone);
+            if order == lowest {
+                return monotone;
+            }
+            count = cut_at_roots(&monotone, degree, &mut taus);
+            order -= 1;
+        }
+    }
+
+    /// The value of a polynomial of this degree at `tau`.
+    #[inline]
+    pub(crate) fn value(&self, degree: usize, tau: f64) -> f64 {
+        self.coefficients()[..=degree].iter().rev().fold(0.0, |value, c| value * tau + c)
+    }
+}
+
+/// The ends of the interval and between them the roots of a function: writes them to `taus` in order and
+/// returns how many they are.
+#[inline]
+fn cut_at_roots(monotone: &Monotone, degree: usize, taus: &mut [f64; MAX_POINTS]) -> usize {
+    let Monotone { function, count, taus: points, values } = monotone;
+    let last = count - 1;
+    let noise = rounding_error(function, degree, points[0].abs().max(points[last].abs()));
+    let is_zero = |value: f64| value.abs() <= noise;
+    let mut found = 1;
+    for i in 0..last {
+        if i > 0 && is_zero(values[i]) {
+            taus[found] = points[i];
+            found += 1;
+        }
+        let opposite = (values[i] < 0.0) != (values[i + 1] < 0.0);
+        if opposite && !is_zero(values[i]) && !is_zero(values[i + 1]) {
+            taus[found] = root_between(
+                function,
+                degree,
+                Extremum { value: values[i], tau: points[i] },
+                Extremum { value: values[i + 1], tau: points[i + 1] },
+            );
+            found += 1;
+        }
+    }
+    taus[found] = points[last];
+    found + 1
+}
+
+/// A bound on the error of Horner's scheme for a polynomial of this degree anywhere in `|τ| ≤ radius`:
+/// 2m u Σ |cₖ| |τ|ᵏ with the unit roundoff u = ε/2 (Higham, *Accuracy and Stability of Numerical
+/// Algorithms*, section 5.1), and 2u more for coefficients and radius that are rounded themselves.
+#[inline]
+fn rounding_error(function: &Polynomial, degree: usize, radius: f64) -> f64 {
+    let sum = function.coefficients()[..=degree].iter().rev().fold(0.0, |sum, c| sum * radius + c.abs());
+    (degree + 1) as f64 * f64::EPSILON * sum
+}
+
+/// The root of a function of this degree that is monotone between two points at which it has values of
+/// opposite sign: in closed form up to degree 2, else by Newton's method kept inside the bracket.
+#[inline]
+pub(crate) fn root_between(function: &Polynomial, degree: usize, start: Extremum, end: Extremum) -> f64 {
+    let root = match degree {
+        0 | 1 => start.tau - start.value * ((end.tau - start.tau) / (end.value - start.value)),
+        2 => quadratic_root(function, start, end),
+        _ => newton_root(function, degree, start, end),
+    };
+    // Rounding may push it out by one unit in the last place.
+    root.max(start.tau).min(end.tau)
+}
+
+/// With `f(start + x) = f₀ + d x + c x²`, monotone up to the root, the root is `-2 f₀ / (d ± √(d² - 4 c f₀))`
+/// with the sign of the slope: two terms of the same sign, so that nothing cancels.
+#[inline]
+fn quadratic_root(function: &Polynomial, start: Extremum, end: Extremum) -> f64 {
+    let [_, c1, c2, ..] = *function.coefficients();
+    let slope = c1 + 2.0 * c2 * start.tau;
+    let root = (slope * slope - 4.0 * c2 * start.value).max(0.0).sqrt();
+    let denominator = slope + root.copysign(end.value - start.value);
+    start.tau - 2.0 * start.value / denominator
+}
+
+/// Newton's method with bisection as its safeguard (Press et al., *Numerical Recipes*, section 9.4).
+fn newton_root(function: &Polynomial, degree: usize, start: Extremum, end: Extremum) -> f64 {
+    /// Newton's method squares the error: after a step this small, relative to the bracket, what is left
+    /// is below rounding.
+    const LAST_STEP: f64 = 1e-9;
+    /// Bisection alone meets the spacing of floats within as many steps as a float has bits.
+    const MAX_STEPS: usize = 128;
+
+    let last_step = LAST_STEP * (end.tau - start.tau);
+    let rising = start.value < 0.0;
+    let [mut low, mut high] = [start.tau, end.tau];
+    let mut tau = 0.5 * (low + high);
+    let mut step_before = high - low;
+    for _ in 0..MAX_STEPS {
+        let [value, slope] = value_and_slope(function, degree, tau);
+        if (value < 0.0) == rising {
+            low = tau;
+        } else {
+            high = tau;
+        }
+        let newton = tau - value / slope;
+        // False for NaN as well, which a slope of zero makes.
+        let converges = newton > low && newton < high && (newton - tau).abs() <= 0.5 * step_before;
+        let next = if converges { newton } else { 0.5 * (low + high) };
+        let step = (next - tau).abs();
+        tau = next;
+        if step == 0.0 || (converges && step <= last_step) {
+            break;
+        }
+        step_before = step;
+    }
+    tau
+}
+
+#[inline]
+fn value_and_slope(function: &Polynomial, degree: usize, tau: f64) -> [f64; 2] {
+    let mut value = 0.0;
+    let mut slope = 0.0;
+    for c in function.coefficients()[..=degree].iter().rev() {
+        slope = slope * tau + value;
+        value = value * tau + c;
+    }
+    [value, slope]
+}

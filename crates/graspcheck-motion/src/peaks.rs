@@ -1,0 +1,211 @@
+//! Peaks, ranges and violations of a motion, exact between its knots.
+
+use crate::extrema::{Extremum, root_between};
+use crate::polynomial::Polynomial;
+use crate::trajectory::Trajectory;
+
+/// The value of largest magnitude that a joint's position, velocity, acceleration or jerk takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    /// The value with its sign, SI units.
+    pub value: f64,
+    /// When it is taken, s; the earliest instant if several are equal.
+    pub time: f64,
+}
+
+impl Trajectory {
+    /// The peak of a joint's derivative over the whole motion: order 0 position, 1 velocity,
+    /// 2 acceleration, 3 jerk. At a knot both one-sided values count.
+    ///
+    /// NaN when coefficients are so large that evaluation overflows: no comparison with a limit then holds.
+    ///
+    /// # Panics
+    /// When `joint` is out of range.
+    #[must_use]
+    pub fn peak(&self, joint: usize, order: usize) -> Peak {
+        self.peaks_in(joint, order, 0.0, self.duration())
+    }
+
+    /// As [`Trajectory::peak`] on the stretch from `t0` to `t1`, s: at `t0` the limit from the right
+    /// counts, at `t1` the limit from the left, at knots between them both.
+    ///
+    /// # Panics
+    /// When `joint` is out of range, or not `0 ≤ t0 ≤ t1 ≤ duration`.
+    #[must_use]
+    pub fn peaks_in(&self, joint: usize, order: usize, t0: f64, t1: f64) -> Peak {
+        let mut peak = Peak { value: 0.0, time: t0 };
+        for stretch in self.stretches(joint, t0, t1) {
+            let [mut low, mut high] = stretch.polynomial.range(order, stretch.from, stretch.to);
+            if high.tau < low.tau {
+                (low, high) = (high, low);
+            }
+            for extremum in [low, high] {
+                if extremum.value.is_nan() {
+                    return Peak { value: f64::NAN, time: stretch.time(extremum.tau) };
+                }
+                if extremum.value.abs() > peak.value.abs() {
+                    peak = Peak { value: extremum.value, time: stretch.time(extremum.tau) };
+                }
+            }
+        }
+        peak
+    }
+
+    /// The least and the greatest position of a joint between `t0` and `t1`, rad or m.
+    ///
+    /// # Panics
+    /// When `joint` is out of range, or not `0 ≤ t0 ≤ t1 ≤ duration`.
+    #[must_use]
+    pub fn position_range(&self, joint: usize, t0: f64, t1: f64) -> [f64; 2] {
+        let [low, high] = self.range_in(joint, 0, t0, t1);
+        [low.value, high.value]
+    }
+
+    /// The least and the greatest value of a joint's derivative between `t0` and `t1`, each with the time at
+    /// which it is taken, s. One-sided values count as in [`Trajectory::peaks_in`].
+    ///
+    /// # Panics
+    /// When `joint` is out of range, or not `0 ≤ t0 ≤ t1 ≤ duration`.
+    #[must_use]
+    pub fn range_in(&self, joint: usize, order: usize, t0: f64, t1: f64) -> [Peak; 2] {
+        let mut low = Peak { value: f64::INFINITY, time: t0 };
+        let mut high = Peak { value: f64::NEG_INFINITY, time: t0 };
+        for stretch in self.stretches(joint, t0, t1) {
+            let [least, greatest] = stretch.polynomial.range(order, stretch.from, stretch.to);
+            if least.value.is_nan() {
+                return [Peak { value: f64::NAN, time: stretch.time(least.tau) }; 2];
+            }
+            if least.value < low.value {
+                low = Peak { value: least.value, time: stretch.time(least.tau) };
+            }
+            if greatest.value > high.value {
+                high = Peak { value: greatest.value, time: stretch.time(greatest.tau) };
+            }
+        }
+        [low, high]
+    }
+
+    /// The intervals `[from, to]`, s, in which a joint's derivative is below `lower` or above `upper`, in
+    /// order of time, exact to rounding. Neighbours that touch are one interval. Empty means that the limits
+    /// hold at every instant; a value equal to a limit is inside, so that rounding decides for a motion that
+    /// follows its limit: widen the limits by the tolerance with which they are to be held.
+    ///
+    /// Where evaluation overflows the derivative counts as outside; so does everything when not
+    /// `lower ≤ upper`.
+    ///
+    /// # Panics
+    /// When `joint` is out of range.
+    #[must_use]
+    pub fn exceeds(&self, joint: usize, order: usize, lower: f64, upper: f64) -> Vec<[f64; 2]> {
+        let can_hold = lower <= upper;
+        let mut intervals: Vec<[f64; 2]> = Vec::new();
+        for stretch in self.stretches(joint, 0.0, self.duration()) {
+            let monotone = stretch.polynomial.monotone(order, stretch.from, stretch.to);
+            let mut points = monotone.points();
+            let Some(mut start) = points.next() else { continue };
+            for end in points {
+                let parts = if can_hold {
+                    outside(&monotone.function, start, end, lower, upper)
+                } else {
+                    [Some([start.tau, end.tau]), None]
+                };
+                for [from, to] in parts.into_iter().flatten() {
+                    let [from, to] = [stretch.time(from), stretch.time(to)];
+                    match intervals.last_mut() {
+                        Some(last) if from <= last[1] => last[1] = last[1].max(to),
+                        _ => intervals.push([from, to]),
+                    }
+                }
+                start = end;
+            }
+        }
+        intervals
+    }
+
+    /// The parts of a joint's pieces that lie between `t0` and `t1`.
+    fn stretches(&self, joint: usize, t0: f64, t1: f64) -> impl Iterator<Item = Stretch<'_>> {
+        assert!(joint < self.dof(), "joint {joint} of {}", self.dof());
+        assert!(
+            0.0 <= t0 && t0 <= t1 && t1 <= self.duration(),
+            "the stretch from {t0} s to {t1} s is outside the motion, which lasts from 0 s to {} s",
+            self.duration()
+        );
+        let knots = self.knots();
+        let first = self.piece_at(t0);
+        let last = first.max(knots.partition_point(|&knot| knot < t1).saturating_sub(1));
+        (first..=last).map(move |piece| {
+            let [start, end] = [knots[piece], knots[piece + 1]];
+            Stretch {
+                polynomial: self.piece(piece, joint),
+                start,
+                end,
+                from: if piece == first { t0 - start } else { 0.0 },
+                to: if piece == last { t1 - start } else { end - start },
+            }
+        })
+    }
+}
+
+/// A part of one piece of one joint.
+struct Stretch<'a> {
+    polynomial: &'a Polynomial,
+    /// When the whole piece begins and ends, s.
+    start: f64,
+    end: f64,
+    /// The part of it, local time, s.
+    from: f64,
+    to: f64,
+}
+
+impl Stretch<'_> {
+    /// Time of the motion at local time `tau`; never past the piece's end, where rounding could lead.
+    fn time(&self, tau: f64) -> f64 {
+        (self.start + tau).min(self.end)
+    }
+}
+
+/// The parts of a stretch from `start` to `end`, on which `function` is monotone, in which it is outside
+/// `[lower, upper]`: at most one at each end.
+fn outside(
+    function: &Polynomial,
+    start: Extremum,
+    end: Extremum,
+    lower: f64,
+    upper: f64,
+) -> [Option<[f64; 2]>; 2] {
+    let crossing = |limit: f64| {
+        let above = |point: Extremum| Extremum { value: point.value - limit, tau: point.tau };
+        root_between(&function.plus(-limit), function.degree(), above(start), above(end))
+    };
+    let side = |point: Extremum| match point.value {
+        value if value > upper => Side::Above,
+        value if value < lower => Side::Below,
+        value if value.is_nan() => Side::Unknown,
+        _ => Side::Inside,
+    };
+    let whole = Some([start.tau, end.tau]);
+    let until = |limit: f64| Some([start.tau, crossing(limit)]);
+    let since = |limit: f64| Some([crossing(limit), end.tau]);
+    match (side(start), side(end)) {
+        (Side::Inside, Side::Inside) => [None, None],
+        (Side::Above, Side::Inside) => [until(upper), None],
+        (Side::Below, Side::Inside) => [until(lower), None],
+        (Side::Inside, Side::Above) => [None, since(upper)],
+        (Side::Inside, Side::Below) => [None, since(lower)],
+        (Side::Below, Side::Above) => [until(lower), since(upper)],
+        (Side::Above, Side::Below) => [until(upper), since(lower)],
+        (Side::Above, Side::Above) | (Side::Below, Side::Below) | (Side::Unknown, _) | (_, Side::Unknown) => {
+            [whole, None]
+        }
+    }
+}
+
+/// Where a value lies with respect to a lower and an upper limit.
+#[derive(Clone, Copy)]
+enum Side {
+    Below,
+    Inside,
+    Above,
+    /// Not a number.
+    Unknown,
+}
