@@ -11,7 +11,7 @@
 //! at most m + 2 roundings and summing m, which is an error of (2m + 2) u Σ|cᵢ hⁱ|. [`Polynomial::eval`],
 //! for which the bound shall hold too, rounds each term at most 2(m + k) + 2 times. Together that is
 //! (2m + k + 2) ε Σ|cᵢ hⁱ|; one ε more stands for the terms of second order. Each halving adds at most m u
-//! times the largest coefficient, which Σ|cᵢ hⁱ| bounds.
+//! times the largest coefficient bᵢ.
 
 use crate::polynomial::{MAX_DEGREE, Polynomial};
 
@@ -60,8 +60,6 @@ struct Form {
     coefficients: [f64; MAX_DEGREE + 1],
     /// How far rounding may have moved them.
     slack: f64,
-    /// What each halving adds to the slack.
-    slack_of_halving: f64,
 }
 
 impl Form {
@@ -84,7 +82,7 @@ impl Form {
             }
         }
         let slack = (2 * degree + order + 3) as f64 * f64::EPSILON * sum + f64::MIN_POSITIVE;
-        Self { degree, coefficients: b, slack, slack_of_halving: 0.5 * degree as f64 * f64::EPSILON * sum }
+        Self { degree, coefficients: b, slack }
     }
 
     /// The least and the greatest coefficient; NaN when one is.
@@ -125,8 +123,9 @@ impl Form {
 
     /// The same polynomial on the two halves of the interval (de Casteljau).
     fn halved(&self) -> [Self; 2] {
+        let [low, high] = self.hull();
         let mut first = *self;
-        first.slack += self.slack_of_halving;
+        first.slack += 0.5 * self.degree as f64 * f64::EPSILON * low.abs().max(high.abs());
         let mut second = first;
         let n = self.degree;
         for pass in 1..=n {
@@ -153,3 +152,65 @@ const BINOMIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = {
     }
     table
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// quintic-1 of the worked examples, 3 s.
+    const QUINTIC: [f64; 6] = [0.0, 0.0, 5.0, 220.0 / 9.0, -40.0 / 3.0, 50.0 / 27.0];
+
+    #[test]
+    fn coefficients_of_a_cubic() {
+        // 10 - 50t + 240t² - 160t³ (cubic-1) on [0, 1]: b = 10, 10 - 50/3, 10 - 100/3 + 80, 40.
+        let form = Form::new(&Polynomial::new([10.0, -50.0, 240.0, -160.0]), 0, 1.0);
+        for (b, expected) in form.coefficients.iter().zip([10.0, -20.0 / 3.0, 170.0 / 3.0, 40.0]) {
+            assert!((b - expected).abs() < 1e-13, "{b} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn halves_meet_and_keep_the_ends() {
+        let p = Polynomial::new(QUINTIC);
+        let [first, second] = Form::new(&p, 1, 3.0).halved();
+        let n = first.degree;
+        for (value, tau) in [
+            (first.coefficients[0], 0.0),
+            (first.coefficients[n], 1.5),
+            (second.coefficients[0], 1.5),
+            (second.coefficients[n], 3.0),
+        ] {
+            assert!((value - p.eval(tau)[1]).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_limit_just_above_the_peak_is_proved_and_one_just_below_refuted() {
+        let p = Polynomial::new(QUINTIC);
+        for order in 0..4 {
+            let [low, high] = p.range(order, 0.0, 3.0);
+            let gap = 1e-11 * (high.value - low.value);
+            let within = proves_within(&p, order, 3.0, low.value - gap, high.value + gap);
+            assert_eq!(within, Proof::Within, "order {order}");
+            for (lower, upper) in [(low.value + gap, high.value), (low.value, high.value - gap)] {
+                match proves_within(&p, order, 3.0, lower, upper) {
+                    Proof::Outside { tau } => {
+                        let value = p.eval(tau)[order];
+                        assert!(value < lower || value > upper, "order {order}: {value} at {tau}");
+                    }
+                    other => panic!("order {order}: {other:?}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rounding_at_the_limit_is_neither_proved_nor_refuted() {
+        // Cruising at 0.1 rad/s exactly at its limit.
+        let cruise = Polynomial::new([0.3, 0.1]);
+        assert_eq!(proves_within(&cruise, 1, 2.0, -0.1, 0.1), Proof::Undecided);
+        assert_eq!(proves_within(&cruise, 1, 2.0, -0.1 - 1e-15, 0.1 + 1e-15), Proof::Within);
+        assert_eq!(proves_within(&cruise, 1, 2.0, f64::NAN, 0.2), Proof::Undecided);
+        assert_eq!(proves_within(&cruise, 1, 2.0, 0.2, 0.0), Proof::Outside { tau: 0.0 });
+    }
+}

@@ -98,7 +98,7 @@ struct Step {
 impl Step {
     /// Whether this derivative jumps; a step that is not a number does.
     fn jumps(&self, order: usize) -> bool {
-        !(self.size[order].abs() <= self.tolerance[order])
+        self.size[order].abs() > self.tolerance[order] || self.size[order].is_nan()
     }
 }
 
@@ -135,5 +135,78 @@ impl<'a> Knots<'a> {
                 }),
             }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn motion(pieces: Vec<Polynomial>, dof: usize) -> Trajectory {
+        let knots = (0..=pieces.len() / dof).map(|k| k as f64).collect();
+        Trajectory::new(dof, knots, pieces).unwrap()
+    }
+
+    #[test]
+    fn a_step_of_jerk_is_smooth() {
+        // t³/6, then the same state with the jerk reversed.
+        let pieces = vec![
+            Polynomial::new([0.0, 0.0, 0.0, 1.0 / 6.0]),
+            Polynomial::new([1.0 / 6.0, 0.5, 0.5, -1.0 / 6.0]),
+        ];
+        let found = motion(pieces, 1).continuity();
+        assert_eq!(found, Continuity { class: ContinuityClass::C2, jumps: vec![] });
+    }
+
+    #[test]
+    fn each_class_is_told_from_the_next() {
+        let ramp = Polynomial::new([0.0, 1.0, 1.0]);
+        for (next, class, order, size) in [
+            (Polynomial::new([2.5, 3.0, 1.0]), ContinuityClass::Discontinuous, 0, 0.5),
+            (Polynomial::new([2.0, -1.0, 1.0]), ContinuityClass::C0, 1, -4.0),
+            (Polynomial::new([2.0, 3.0, -0.5]), ContinuityClass::C1, 2, -3.0),
+        ] {
+            let found = motion(vec![ramp, next], 1).continuity();
+            assert_eq!(found.class, class);
+            assert_eq!(found.jumps, vec![Jump { time: 1.0, joint: 0, order, size }]);
+        }
+        assert!(ContinuityClass::Discontinuous < ContinuityClass::C2);
+    }
+
+    #[test]
+    fn a_joint_does_not_hide_the_jump_of_another() {
+        // At 1 s the first joint's velocity jumps, the second joint's acceleration.
+        let pieces = vec![
+            Polynomial::new([0.0, 1.0]),
+            Polynomial::new([0.0, 0.0, 1.0]),
+            Polynomial::new([1.0, 3.0]),
+            Polynomial::new([1.0, 2.0, 0.5]),
+        ];
+        let motion = motion(pieces, 2);
+        assert_eq!(motion.breaks(), [Break { knot: 1, order: 1, jump: vec![2.0, 0.0] }]);
+        let found = motion.continuity();
+        assert_eq!(found.class, ContinuityClass::C0);
+        assert_eq!(
+            found.jumps,
+            vec![
+                Jump { time: 1.0, joint: 0, order: 1, size: 2.0 },
+                Jump { time: 1.0, joint: 1, order: 2, size: -1.0 },
+            ]
+        );
+    }
+
+    #[test]
+    fn short_pieces_that_fit_have_no_break() {
+        // A sine by quintic pieces of 20 µs: the terms of the acceleration at a knot are a million times
+        // larger than the acceleration.
+        let h = 2e-5;
+        let state = |i: usize| {
+            let (sin, cos) = (i as f64 * h + 1.0).sin_cos();
+            [sin, cos, -sin]
+        };
+        let knots: Vec<f64> = (0..=50).map(|i| f64::from(i) * h).collect();
+        let pieces = (0..50).map(|i| Polynomial::quintic_hermite(state(i), state(i + 1), h)).collect();
+        let motion = Trajectory::new(1, knots, pieces).unwrap();
+        assert!(motion.breaks().is_empty(), "{:?}", motion.breaks());
     }
 }

@@ -228,3 +228,108 @@ fn value_and_slope(function: &Polynomial, degree: usize, tau: f64) -> [f64; 2] {
     }
     [value, slope]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn assert_extremum(found: Extremum, value: f64, tau: f64, tolerance: f64) {
+        assert!((found.value - value).abs() <= tolerance, "{found:?} is not {value}");
+        assert!((found.tau - tau).abs() <= tolerance, "{found:?} is not at {tau}");
+    }
+
+    #[test]
+    fn a_cubic_overshoots_its_end_points() {
+        // cubic-1 of the worked examples: 10° -> 40° in 1 s with -50°/s at both ends.
+        let [low, high] = Polynomial::new([10.0, -50.0, 240.0, -160.0]).range(0, 0.0, 1.0);
+        assert_extremum(low, 7.178_872, 0.118_119, 5e-7);
+        assert_extremum(high, 42.821_128, 0.881_881, 5e-7);
+        // Exactly: the velocity's roots are 1/2 ± √(7/48), the extrema 25 ± 160 (7/48)^(3/2) ⋅ 2.
+        let root = (7.0_f64 / 48.0).sqrt();
+        assert_extremum(low, 25.0 - 320.0 * root.powi(3), 0.5 - root, 1e-13);
+    }
+
+    #[test]
+    fn peaks_of_a_cubic_from_rest_to_rest() {
+        // cubic-2: 50° -> 80° in 3 s; peak velocity 3D/(2T) at T/2, peak acceleration 6D/T² at both ends.
+        let p = Polynomial::new([50.0, 0.0, 10.0, -20.0 / 9.0]);
+        let [position, velocity, acceleration, jerk] = p.ranges(0.0, 3.0);
+        assert_extremum(position[0], 50.0, 0.0, 1e-13);
+        assert_extremum(position[1], 80.0, 3.0, 1e-13);
+        assert_extremum(velocity[0], 0.0, 0.0, 1e-13);
+        assert_extremum(velocity[1], 15.0, 1.5, 1e-13);
+        assert_extremum(acceleration[0], -20.0, 3.0, 1e-13);
+        assert_extremum(acceleration[1], 20.0, 0.0, 1e-13);
+        assert_extremum(jerk[0], -40.0 / 3.0, 0.0, 1e-13);
+    }
+
+    #[test]
+    fn peaks_of_a_quintic_from_rest_to_rest() {
+        // Section 3 of the worked examples: 15D/(8T), 10D/(√3 T²), 60D/T³, with roots at the very ends.
+        let (stroke, duration) = (0.7, 0.4);
+        let p = Polynomial::quintic_hermite([0.0; 3], [stroke, 0.0, 0.0], duration);
+        let [position, velocity, acceleration, jerk] = p.ranges(0.0, duration);
+        assert_extremum(position[0], 0.0, 0.0, 1e-12);
+        assert_extremum(position[1], stroke, duration, 1e-6);
+        assert_extremum(velocity[1], 1.875 * stroke / duration, 0.5 * duration, 1e-12);
+        let peak = 10.0 / 3.0_f64.sqrt() * stroke / duration.powi(2);
+        let early = duration * (0.5 - 3.0_f64.sqrt() / 6.0);
+        assert_extremum(acceleration[1], peak, early, 1e-11);
+        assert_extremum(acceleration[0], -peak, duration - early, 1e-11);
+        assert_extremum(jerk[1], 60.0 * stroke / duration.powi(3), 0.0, 1e-10);
+    }
+
+    #[test]
+    fn peaks_of_a_quintic_that_accelerates_at_its_ends() {
+        // quintic-1: 5τ² + 220/9 τ³ - 40/3 τ⁴ + 50/27 τ⁵ on 3 s. The jerk 440/3 - 320τ + 1000/9 τ² has its
+        // roots at (36 ± √471)/25.
+        let p = Polynomial::new([0.0, 0.0, 5.0, 220.0 / 9.0, -40.0 / 3.0, 50.0 / 27.0]);
+        let roots = [-1.0, 1.0].map(|sign: f64| (36.0 + sign * 471.0_f64.sqrt()) / 25.0);
+        let [low, high] = p.range(2, 0.0, 3.0);
+        assert_extremum(high, p.eval(roots[0])[2], roots[0], 1e-12);
+        assert_extremum(low, p.eval(roots[1])[2], roots[1], 1e-12);
+        // It starts and ends with 10°/s², not extremal.
+        assert!(high.value > 10.0 && low.value < 10.0);
+    }
+
+    #[test]
+    fn every_degree_up_to_seven_alternates_between_its_extrema() {
+        // Chebyshev polynomials on [-1, 1] take ±1 at cos(kπ/n) and nothing beyond.
+        let mut before = Polynomial::constant(1.0);
+        let mut current = Polynomial::new([0.0, 1.0]);
+        for degree in 1..=MAX_DEGREE {
+            let monotone = current.monotone(0, -1.0, 1.0);
+            assert_eq!(monotone.count, degree + 1, "degree {degree}");
+            for (i, point) in monotone.points().enumerate() {
+                let k = degree - i;
+                let tau = (k as f64 * std::f64::consts::PI / degree as f64).cos();
+                assert_extremum(point, if k % 2 == 0 { 1.0 } else { -1.0 }, tau, 1e-12);
+            }
+            let mut next = [0.0; MAX_DEGREE + 1];
+            for (k, c) in next.iter_mut().enumerate() {
+                let double = if k > 0 { 2.0 * current.coefficients()[k - 1] } else { 0.0 };
+                *c = double - before.coefficients()[k];
+            }
+            (before, current) = (current, Polynomial::new(next));
+        }
+    }
+
+    #[test]
+    fn an_interval_may_be_a_point_or_reversed() {
+        let p = Polynomial::new([1.0, 2.0, 3.0]);
+        let [low, high] = p.range(0, 0.5, 0.5);
+        assert_eq!(low, high);
+        assert_extremum(low, 2.75, 0.5, 0.0);
+        assert_eq!(p.range(0, 1.0, -1.0), p.range(0, -1.0, 1.0));
+        assert_extremum(p.range(0, 1.0, -1.0)[0], 2.0 / 3.0, -1.0 / 3.0, 1e-15);
+    }
+
+    #[test]
+    fn what_is_not_a_number_has_no_range() {
+        // The coefficient of the velocity overflows, and at τ = 0 it is infinity times zero.
+        let overflowing = Polynomial::new([0.0, 0.0, 1e308]);
+        for range in [overflowing.range(1, 0.0, 1.0), Polynomial::new([1.0, 2.0]).range(0, 0.0, f64::NAN)] {
+            assert!(range.iter().all(|extremum| extremum.value.is_nan()), "{range:?}");
+        }
+    }
+}

@@ -209,3 +209,79 @@ enum Side {
     /// Not a number.
     Unknown,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// via-1 of the worked examples: 20° -> 80° -> 25°, 5 s each, through the middle at 10°/s; the
+    /// acceleration jumps there.
+    fn via() -> Trajectory {
+        let pieces =
+            vec![Polynomial::new([20.0, 0.0, 5.2, -0.56]), Polynomial::new([80.0, 10.0, -10.6, 1.28])];
+        Trajectory::new(1, vec![0.0, 5.0, 10.0], pieces).unwrap()
+    }
+
+    #[test]
+    fn a_peak_has_a_sign_and_both_sides_of_a_knot_count() {
+        let motion = via();
+        // Acceleration 10.4 - 3.36t ends at -6.4; -21.2 + 7.68τ begins at -21.2 and ends at 17.2.
+        assert_eq!(motion.peak(0, 2), Peak { value: -21.2, time: 5.0 });
+        let left = motion.peaks_in(0, 2, 4.0, 5.0);
+        assert!((left.value + 6.4).abs() < 1e-12, "{left:?}");
+        assert_eq!([left.time], [5.0]);
+        // The overshoot past 80°: 10 - 21.2τ + 3.84τ² = 0.
+        let tau = (21.2 - (21.2_f64.powi(2) - 153.6).sqrt()) / 7.68;
+        let peak = motion.peak(0, 0);
+        assert!((peak.time - 5.0 - tau).abs() < 1e-12, "{peak:?}");
+        let [low, high] = motion.position_range(0, 0.0, 10.0);
+        assert_eq!([low, high], [20.0, peak.value]);
+    }
+
+    #[test]
+    fn a_stretch_within_one_piece_sees_nothing_else() {
+        let motion = via();
+        let [low, high] = motion.position_range(0, 1.0, 2.0);
+        assert!((low - motion.eval(1.0).q[0]).abs() < 1e-12);
+        assert!((high - motion.eval(2.0).q[0]).abs() < 1e-12);
+        let instant = motion.peaks_in(0, 2, 5.0, 5.0);
+        assert_eq!(instant, Peak { value: -21.2, time: 5.0 }, "from the right");
+    }
+
+    #[test]
+    fn violations_are_exact_intervals() {
+        let motion = via();
+        // |acceleration| > 10: 10.4 - 3.36t until 0.4/3.36; then -21.2 + 7.68τ < -10 until 11.2/7.68 and
+        // > 10 from 31.2/7.68.
+        let found = motion.exceeds(0, 2, -10.0, 10.0);
+        let expected = [[0.0, 0.4 / 3.36], [5.0, 5.0 + 11.2 / 7.68], [5.0 + 31.2 / 7.68, 10.0]];
+        assert_eq!(found.len(), 3, "{found:?}");
+        for (a, b) in found.iter().flatten().zip(expected.iter().flatten()) {
+            assert!((a - b).abs() < 1e-12, "{found:?} is not {expected:?}");
+        }
+        assert!(motion.exceeds(0, 2, -21.2, 17.200_001).is_empty());
+        assert_eq!(motion.exceeds(0, 2, 1.0, f64::NAN), vec![[0.0, 10.0]], "no limit, nothing is inside");
+    }
+
+    #[test]
+    fn violations_on_both_sides_of_a_knot_are_one_interval() {
+        let motion = via();
+        let found = motion.exceeds(0, 0, f64::NEG_INFINITY, 79.0);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0][0] < 5.0 && found[0][1] > 5.0);
+        for t in found[0] {
+            assert!((motion.eval(t).q[0] - 79.0).abs() < 1e-11, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_peak_at_the_end_can_be_evaluated() {
+        // Knots whose difference does not add up again.
+        let knots = vec![0.0, 0.1, 0.1 + 0.7];
+        let pieces = vec![Polynomial::constant(0.0), Polynomial::new([0.0, 1.0])];
+        let motion = Trajectory::new(1, knots, pieces).unwrap();
+        let peak = motion.peak(0, 0);
+        assert!(peak.time <= motion.duration());
+        assert!((motion.eval(peak.time).q[0] - peak.value).abs() < 1e-15);
+    }
+}

@@ -393,4 +393,14 @@ mod tests {
         ));
         assert!(matches!(Trajectory::hold(&[0.0], -1.0), Err(TrajectoryError::KnotsNotIncreasing { .. })));
     }
+
+    #[test]
+    fn after_the_end_the_last_position_is_held_at_rest() {
+        let moving = Trajectory::new(1, vec![0.0, 2.0], vec![Polynomial::new([1.0, 3.0, 0.5])]).unwrap();
+        let mut state = MotionState::zeros(1);
+        moving.eval_held(5.0, &mut state);
+        assert_eq!(state, MotionState { q: vec![9.0], qd: vec![0.0], qdd: vec![0.0], qddd: vec![0.0] });
+        moving.eval_held(2.0, &mut state);
+        assert_eq!(state.qd, [5.0], "at the end itself it still moves");
+    }
 }

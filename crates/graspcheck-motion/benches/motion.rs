@@ -1,0 +1,66 @@
+//! How long the operations of a control or proof step take: evaluation of four joints, exact peaks and a
+//! Bernstein proof of one piece of one joint.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use graspcheck_motion::{MotionState, Polynomial, Trajectory, bernstein};
+
+/// A general quintic of one second: no root at an end.
+fn general() -> Polynomial {
+    Polynomial::quintic_hermite([0.1, 0.4, -1.5], [1.3, -0.2, 2.0], 1.0)
+}
+
+fn rest_to_rest() -> Polynomial {
+    Polynomial::quintic_hermite([0.1, 0.0, 0.0], [1.3, 0.0, 0.0], 1.0)
+}
+
+/// Six pieces of four joints.
+fn motion() -> Trajectory {
+    let knots = (0..=6).map(|k| f64::from(k) * 0.5).collect();
+    let pieces = (0..24).map(|i| if i % 2 == 0 { general() } else { rest_to_rest() }).collect();
+    Trajectory::new(4, knots, pieces).expect("six intervals of four joints")
+}
+
+fn evaluation(criterion: &mut Criterion) {
+    let motion = motion();
+    let mut state = MotionState::zeros(4);
+    criterion.bench_function("eval 4 joints", |bencher| {
+        bencher.iter(|| {
+            motion.eval_into(black_box(1.234), &mut state);
+            black_box(&state);
+        });
+    });
+}
+
+fn peaks(criterion: &mut Criterion) {
+    for (name, polynomial) in [("general", general()), ("rest to rest", rest_to_rest())] {
+        criterion.bench_function(&format!("peaks v a j, {name} quintic"), |bencher| {
+            bencher.iter(|| black_box(black_box(&polynomial).ranges(0.0, black_box(1.0))));
+        });
+        criterion.bench_function(&format!("position range, {name} quintic"), |bencher| {
+            bencher.iter(|| black_box(black_box(&polynomial).range(0, 0.0, black_box(1.0))));
+        });
+    }
+}
+
+fn proofs(criterion: &mut Criterion) {
+    let polynomial = general();
+    for (name, share) in [("5 % room", 1.05), ("0.1 % room", 1.001)] {
+        let limits = [1, 2, 3].map(|order| {
+            let [low, high] = polynomial.range(order, 0.0, 1.0);
+            share * high.value.max(-low.value)
+        });
+        criterion.bench_function(&format!("Bernstein proof v a j, {name}"), |bencher| {
+            bencher.iter(|| {
+                for (limit, order) in limits.into_iter().zip(1..) {
+                    let polynomial = black_box(&polynomial);
+                    black_box(bernstein::proves_within(polynomial, order, black_box(1.0), -limit, limit));
+                }
+            });
+        });
+    }
+}
+
+criterion_group!(benches, evaluation, peaks, proofs);
+criterion_main!(benches);
