@@ -15,13 +15,20 @@
 //! [`execution`], [`settings`].
 
 pub mod cell;
+pub mod convex_hull;
+pub mod dynamics;
+pub mod error;
 pub mod execution;
+mod gripper;
 pub mod inertia;
+pub mod inverse;
+pub mod kinematics;
 pub mod object;
 pub mod plan;
 pub mod robot;
 pub mod settings;
 pub mod shape;
+pub mod structure;
 pub mod task;
 
 /// A rigid transform; the name of a variable says between which frames.
