@@ -288,4 +288,26 @@ impl Recording {
     pub fn attachment(&self, name: &str) -> Option<&Attachment> {
         self.attachments.iter().find(|attachment| attachment.name == name)
     }
+
+    /// Adds an event at its place in time, after those of the same instant.
+    pub fn add_event(&mut self, event: Event) {
+        let place = self.events.partition_point(|earlier| earlier.time_ns <= event.time_ns);
+        self.events.insert(place, event);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_are_added_in_order_of_time() {
+        let mut recording = Recording::default();
+        for (time_ns, message) in [(5, "c"), (0, "a"), (5, "d"), (2, "b")] {
+            let source = "phase".to_owned();
+            recording.add_event(Event { time_ns, level: Level::Info, source, message: message.to_owned() });
+        }
+        let messages: Vec<&str> = recording.events.iter().map(|event| &*event.message).collect();
+        assert_eq!(messages, ["a", "b", "c", "d"]);
+    }
 }
