@@ -20,7 +20,7 @@ fn text() -> impl Strategy<Value = String> {
 
 /// Times that increase strictly, up to the last one that a stamp can say.
 fn times() -> impl Strategy<Value = Vec<i64>> {
-    vec(prop_oneof![0..5_000_000_i64, 0..2_147_483_648_000_000_000], 0..6).prop_map(|mut times| {
+    vec(prop_oneof![0..5_000_000_i64, 0..2_147_483_648_000_000_000_i64], 0..6).prop_map(|mut times| {
         times.sort_unstable();
         times.dedup();
         times

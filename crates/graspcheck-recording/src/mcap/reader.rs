@@ -162,7 +162,7 @@ impl Content {
             Record::Schema { header, .. } => {
                 self.schemas.insert(header.id, (header.name, header.encoding));
             }
-            Record::Channel(channel) => self.channel(channel)?,
+            Record::Channel(channel) => self.channel(&channel)?,
             Record::Message { header, data } => {
                 let Some(&topic) = self.channels.get(&header.channel_id) else {
                     return Err(McapError::UnknownChannel(header.sequence, header.channel_id).into());
@@ -186,7 +186,7 @@ impl Content {
         Ok(())
     }
 
-    fn channel(&mut self, channel: ::mcap::records::Channel) -> Result<(), Stop> {
+    fn channel(&mut self, channel: &::mcap::records::Channel) -> Result<(), Stop> {
         let topic = Topic::named(&channel.topic)
             .ok_or_else(|| foreign(format!("it has no topic {}", channel.topic)))?;
         let (message_type, encoding) = self
@@ -304,7 +304,7 @@ fn read_message(
         Topic::ObjectPose => pose(&mut recording.object, time_ns, data),
         Topic::ObjectTwist => twist(&mut recording.object, time_ns, index, data),
         Topic::Contacts => contact(recording, time_ns, cdr::decode(data)?),
-        Topic::Monitor => monitor(recording, time_ns, cdr::decode(data)?),
+        Topic::Monitor => monitor(recording, time_ns, &cdr::decode(data)?),
         Topic::Events => log(recording, time_ns, cdr::decode(data)?),
         Topic::Diagnostics => {
             once(index)?;
@@ -427,7 +427,7 @@ fn contact(recording: &mut Recording, time_ns: i64, message: Contact) -> Result<
     Ok(())
 }
 
-fn monitor(recording: &mut Recording, time_ns: i64, message: Monitor) -> Result<(), String> {
+fn monitor(recording: &mut Recording, time_ns: i64, message: &Monitor) -> Result<(), String> {
     check_header(&message.header, time_ns, "")?;
     recording.monitor.push(MonitorSample {
         time_ns,
