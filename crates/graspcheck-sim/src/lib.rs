@@ -1,1 +1,46 @@
-//! The rapier plant, its controllers and the grasp.
+//! Executes a plan on a rapier multibody: plant, controller, gripper, step loop.
+//!
+//! [`simulate`] takes robot, cell, object and plan as data and returns a [`Recording`] of what happened.
+//! The plant is independent of the controller: joint torques go in, joint positions come out, and a torque
+//! that the motors cannot give shows as saturation and as tracking error. The object is held by friction
+//! between pads and faces, never by a weld.
+//!
+//! Trust in the plant is not assumed: before the first step the built multibody is compared with the
+//! model's own dynamics (mass matrix and bias forces at several states), and the run is refused when they
+//! differ ([`SimError::ModelMismatch`]).
+//!
+//! What a row of the recording means: row k is the state at `t = k·dt`, *before* step k, with the efforts
+//! that act during that step and the contact forces that the step needed. Times are integer nanoseconds.
+//!
+//! Contacts between bodies of the robot are switched off: the proof of the plan covers those pairs, and a
+//! serial arm whose neighbouring links overlap at their joints would otherwise push itself apart.
+//!
+//! Frames: W world, B base, L links, T tool, O object. Symbols: `q`, `qd`, `qdd` joint positions,
+//! velocities, accelerations (rad or m). In arrays of joints the arm comes first, then the two fingers.
+//!
+//! Reading order: [`error`], then the private modules `plant` (robot, cell and object as rapier bodies),
+//! `self_test`, `controller`, `gripper`, `contacts`, `recorder`, `run`.
+
+mod clock;
+mod contacts;
+mod controller;
+mod convert;
+pub mod error;
+#[cfg(test)]
+mod fixtures;
+mod gripper;
+mod plant;
+mod recorder;
+mod run;
+mod self_test;
+mod tool;
+
+#[cfg(doc)]
+use graspcheck_recording::Recording;
+
+pub use error::SimError;
+pub use run::{START_DEPTH_MAX, simulate};
+
+/// The physics that runs below, with its version: its semantics move in patch releases, so baselines carry
+/// it.
+pub const PHYSICS: &str = "rapier3d-f64 0.36.1";

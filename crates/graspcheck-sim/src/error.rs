@@ -1,0 +1,133 @@
+//! Why a simulation was refused or given up.
+
+/// Why a plan could not be executed.
+///
+/// A plan that is executed badly (a joint that saturates, an arm that runs into a wall, an object that is
+/// dropped) is not an error: it is recorded, and the checks find it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimError {
+    /// The step of the physics does not fit the time base.
+    #[error(
+        "execution: dt {dt} s must be a whole number of nanoseconds that divides one second; \
+         use for example 0.001 s"
+    )]
+    Step {
+        /// The step, s.
+        dt: f64,
+    },
+    /// A setting of the execution is out of range.
+    #[error("execution: {setting} {value} must be {requirement}")]
+    Setting {
+        /// Its name.
+        setting: &'static str,
+        /// What was given, SI.
+        value: f64,
+        /// What it must be.
+        requirement: &'static str,
+    },
+    /// Plan and robot have different numbers of joints.
+    #[error("plan: {plan} joints do not fit robot {robot_name}, which has {robot}")]
+    JointCount {
+        /// Name of the robot.
+        robot_name: String,
+        /// Joints of the plan's trajectory.
+        plan: usize,
+        /// Joints of the robot.
+        robot: usize,
+    },
+    /// The plan's opening does not move exactly one joint.
+    #[error("plan: the gripper's opening has {count} joints, must be 1")]
+    OpeningJoints {
+        /// Joints of the opening.
+        count: usize,
+    },
+    /// The plan has no phase.
+    #[error("plan: no phase; a plan needs at least one")]
+    NoPhase,
+    /// The plan grasps, but there is nothing to grasp.
+    #[error("plan: grasps at handle {handle}, but the run has no object")]
+    GraspWithoutObject {
+        /// Name of the handle.
+        handle: String,
+    },
+    /// A hull has no volume.
+    #[error(
+        "body {body}: its hull of {points} points has no volume; give at least four that do not lie in a plane"
+    )]
+    FlatHull {
+        /// Name of the body.
+        body: String,
+        /// How many points were given.
+        points: usize,
+    },
+    /// Rapier did not accept the chain of links.
+    #[error("link {link}: rapier refuses its joint; every link must hang on the one before it")]
+    Chain {
+        /// Name of the link.
+        link: String,
+    },
+    /// The rapier multibody does not move as the model says.
+    #[error(
+        "model: {quantity} of joint {joint} is {rapier} in rapier and {model} in the model, \
+         more than {tolerance} apart, at q = {q:?}, qd = {qd:?}"
+    )]
+    ModelMismatch {
+        /// `mass matrix` or `bias force`.
+        quantity: &'static str,
+        /// Name of the joint (for the mass matrix the row with the largest difference).
+        joint: String,
+        /// What rapier says, SI.
+        rapier: f64,
+        /// What the model says, SI.
+        model: f64,
+        /// How far they may be apart, SI.
+        tolerance: f64,
+        /// Positions of the arm's joints, rad or m.
+        q: Vec<f64>,
+        /// Velocities of the arm's joints, rad/s or m/s.
+        qd: Vec<f64>,
+    },
+    /// The object overlaps something at the start.
+    #[error(
+        "object {object}: overlaps {other} by {depth} m at the start, at most {limit} m; \
+         move the object or {other}"
+    )]
+    StartsInPenetration {
+        /// Name of the object.
+        object: String,
+        /// Name of the other body.
+        other: String,
+        /// How deep, m.
+        depth: f64,
+        /// How deep it may be, m.
+        limit: f64,
+    },
+    /// A number is NaN or infinite.
+    #[error("{place}: {quantity} {value} is not finite at t = {time} s")]
+    NotFinite {
+        /// Name of the joint or body.
+        place: String,
+        /// What is not finite.
+        quantity: &'static str,
+        /// The value.
+        value: f64,
+        /// When, s.
+        time: f64,
+    },
+    /// Rapier has taken bodies out of the simulation because their state was not finite.
+    #[error("body {body}: taken out of the physics at t = {time} s because its state is not finite")]
+    Quarantined {
+        /// Name of the first such body.
+        body: String,
+        /// When, s.
+        time: f64,
+    },
+    /// A body that must move was put to sleep.
+    #[error("body {body}: asleep at t = {time} s, so its motion is frozen")]
+    Asleep {
+        /// Name of the body.
+        body: String,
+        /// When, s.
+        time: f64,
+    },
+}

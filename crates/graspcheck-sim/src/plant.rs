@@ -1,0 +1,487 @@
+//! Robot, cell and object as bodies of a rapier world.
+//!
+//! The robot is one multibody in reduced coordinates with a fixed base. Rapier's free axis of a joint is
+//! the local x axis of the joint's frames, so both frames are turned to bring x onto the joint's axis;
+//! then the frame of a body is the frame of the link, with nothing left to correct.
+//!
+//! What rapier does silently and is undone here: damping of 0.1 N·m·s/rad on every revolute joint, mass
+//! properties that are only computed at the first step, sleeping, contacts predicted at 2 cm and solved as
+//! springs of 30 Hz, contacts that are not computed again until a body has moved by 5 cm, and continuous
+//! collision detection, which moves bodies back in time.
+
+use graspcheck_model::{
+    Pose,
+    cell::Cell,
+    execution::ContactModel,
+    inertia::Inertial,
+    object::Object,
+    robot::{JointKind, Link, RobotModel},
+    shape::{PlacedShape, Shape},
+};
+use nalgebra::{DMatrix, Translation3, Unit, UnitQuaternion, Vector3};
+use rapier3d::{
+    dynamics::{
+        GenericJointBuilder, JointAxesMask, JointAxis, MassProperties, MotorModel, Multibody,
+        MultibodyDofCoupling, MultibodyJointHandle, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
+    },
+    geometry::{ColliderBuilder, ContactPair, SharedShape},
+    math::Vector,
+    pipeline::PhysicsWorld,
+};
+
+use crate::{convert, error::SimError};
+
+/// The number of fingers; the joints of a plant are those of the arm and then these.
+pub(crate) const FINGERS: usize = 2;
+
+/// Gain of the fingers' velocity motors, N·s/m: so large that the force limit is reached at any error of
+/// velocity that can be seen (1 µm/s asks for 1 N).
+const FINGER_MOTOR_GAIN: f64 = 1e6;
+
+/// The rapier world of a run.
+pub(crate) struct Plant {
+    world: PhysicsWorld,
+    /// The joint of the first link, by which the multibody is found.
+    arm: MultibodyJointHandle,
+    /// Kinds of the arm's joints, then of the fingers.
+    kinds: Vec<JointKind>,
+    /// Bodies of the robot (base, links, fingers), the object, the cell; their colliders carry the index.
+    bodies: Vec<RigidBodyHandle>,
+    names: Vec<String>,
+    /// Index of the object among the bodies.
+    object: Option<usize>,
+}
+
+/// How a plant is built.
+pub(crate) struct PlantSettings<'a> {
+    /// Length of a step, s.
+    pub(crate) dt: f64,
+    /// Solver substeps in one step.
+    pub(crate) substeps: usize,
+    /// How contacts are solved.
+    pub(crate) contact: &'a ContactModel,
+}
+
+impl Plant {
+    /// The world with the robot at position 0 of all joints, the cell, and the object at its start.
+    ///
+    /// # Errors
+    /// When a hull has no volume or rapier refuses a joint.
+    pub(crate) fn new(
+        robot: &RobotModel,
+        cell: &Cell,
+        object: Option<&Object>,
+        settings: &PlantSettings<'_>,
+    ) -> Result<Self, SimError> {
+        let mut builder = Builder::new(cell.gravity, settings);
+        let base = builder.add_fixed(&robot.base.name, &robot.base.shapes, &robot.world_from_base)?;
+        let arm = builder.add_arm(robot, base)?;
+        let object = object.map(|object| builder.add_object(object)).transpose()?;
+        for body in &cell.bodies {
+            let shape = PlacedShape { body_from_shape: Pose::identity(), shape: body.shape.clone() };
+            builder.add_fixed(&body.name, &[shape], &body.world_from_shape)?;
+        }
+        let kinds =
+            robot.joints.iter().map(|joint| joint.kind).chain([JointKind::Prismatic; FINGERS]).collect();
+        let mut plant =
+            Self { world: builder.world, arm, kinds, bodies: builder.bodies, names: builder.names, object };
+        plant.settle_multibody(robot);
+        Ok(plant)
+    }
+
+    /// Computes mass properties and sets damping, dry friction and rotor inertia.
+    fn settle_multibody(&mut self, robot: &RobotModel) {
+        let world = &mut self.world;
+        for handle in &self.bodies {
+            world.bodies[*handle].recompute_mass_properties_from_colliders(&world.colliders);
+        }
+        let (multibody, _) =
+            world.multibody_joints.get_mut(self.arm).expect("the joint was inserted by the constructor");
+        multibody.set_self_contacts_enabled(false);
+        // Until the first forward kinematics the fixed base still counts six degrees of freedom.
+        multibody.forward_kinematics(&world.bodies, true);
+        multibody.damping_mut().fill(0.0);
+        for (index, joint) in robot.joints.iter().enumerate() {
+            multibody.damping_mut()[index] = joint.damping;
+            multibody.frictions_mut()[index] = joint.friction;
+            multibody.armature_mut()[index] = joint.rotor_inertia;
+        }
+        multibody.add_dof_coupling(MultibodyDofCoupling {
+            link1: robot.dof() + 1,
+            dof1: 0,
+            axis1: JointAxis::LinX as usize,
+            link2: robot.dof() + 2,
+            dof2: 0,
+            axis2: JointAxis::LinX as usize,
+            coeff: 1.0,
+            offset: 0.0,
+        });
+        multibody.update_rigid_bodies(&mut world.bodies, true);
+    }
+
+    /// The number of joints, fingers included.
+    pub(crate) fn joint_count(&self) -> usize {
+        self.kinds.len()
+    }
+
+    /// The names of all bodies: base, links, fingers, then the object if there is one, then the cell.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The index of the object among the bodies.
+    pub(crate) fn object(&self) -> Option<usize> {
+        self.object
+    }
+
+    /// The index of a finger among the bodies.
+    pub(crate) fn finger(&self, finger: usize) -> usize {
+        self.joint_count() - FINGERS + 1 + finger
+    }
+
+    fn multibody(&self) -> &Multibody {
+        self.world.multibody_joints.get(self.arm).expect("the joint is never removed").0
+    }
+
+    /// Puts all joints, fingers included, at `q` with velocities `qd`.
+    pub(crate) fn set_state(&mut self, q: &[f64], qd: &[f64]) {
+        let mut displacement = vec![0.0; self.joint_count()];
+        self.read_positions(&mut displacement);
+        for (value, target) in displacement.iter_mut().zip(q) {
+            *value = target - *value;
+        }
+        let world = &mut self.world;
+        let (multibody, _) = world.multibody_joints.get_mut(self.arm).expect("the joint is never removed");
+        multibody.apply_displacements(&displacement);
+        multibody.forward_kinematics(&world.bodies, true);
+        multibody.update_rigid_bodies(&mut world.bodies, true);
+        multibody.generalized_velocity_mut().copy_from_slice(qd);
+    }
+
+    fn read_positions(&self, q: &mut [f64]) {
+        // Link 0 is the base; the links of the joints follow in order of insertion.
+        for ((value, kind), link) in q.iter_mut().zip(&self.kinds).zip(self.multibody().links().skip(1)) {
+            *value = link.joint.coords()[free_axis(*kind) as usize];
+        }
+    }
+
+    /// Reads positions and velocities of all joints, fingers included.
+    pub(crate) fn read_state(&self, q: &mut [f64], qd: &mut [f64]) {
+        self.read_positions(q);
+        qd.copy_from_slice(self.multibody().generalized_velocity().as_slice());
+    }
+
+    /// Reads the pose of every body in the world.
+    pub(crate) fn read_poses(&self, world_from_body: &mut [Pose]) {
+        for (pose, handle) in world_from_body.iter_mut().zip(&self.bodies) {
+            *pose = convert::from_rapier(self.world.bodies[*handle].position());
+        }
+    }
+
+    /// The velocity of the object's origin and its angular velocity, in the world.
+    pub(crate) fn object_twist(&self) -> Option<[f64; 6]> {
+        let body = &self.world.bodies[self.bodies[self.object?]];
+        let linear = body.velocity_at_point(body.position().translation);
+        let angular = body.angvel();
+        Some([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
+    }
+
+    /// Sets the efforts of the arm's joints, N·m or N, for the next step.
+    ///
+    /// Each acts as an equal and opposite pair on the two links of its joint, along the axis as it stands
+    /// now; between substeps the pair keeps its direction in the world.
+    pub(crate) fn apply_efforts(&mut self, efforts: &[f64]) {
+        let world = &mut self.world;
+        for handle in &self.bodies[1..=self.kinds.len()] {
+            world.bodies[*handle].reset_forces(false);
+            world.bodies[*handle].reset_torques(false);
+        }
+        let (multibody, _) = world.multibody_joints.get(self.arm).expect("the joint is never removed");
+        for (index, (effort, link)) in efforts.iter().zip(multibody.links().skip(1)).enumerate() {
+            let world_from_joint = *link.local_to_world() * link.joint.data.local_frame2;
+            let wrench = world_from_joint.rotation * Vector::X * *effort;
+            let (parent, child) = (self.bodies[index], self.bodies[index + 1]);
+            for (body, sign) in [(child, 1.0), (parent, -1.0)] {
+                let body = &mut world.bodies[body];
+                if !body.is_dynamic() {
+                    continue;
+                }
+                match self.kinds[index] {
+                    JointKind::Revolute => body.add_torque(wrench * sign, false),
+                    JointKind::Prismatic => {
+                        // Not `add_force_at_point`: its centre of mass lags by one substep.
+                        let center = *body.position() * body.local_center_of_mass();
+                        let arm = world_from_joint.translation - center;
+                        body.add_force(wrench * sign, false);
+                        body.add_torque(arm.cross(wrench * sign), false);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sets what the motors of both fingers do: reach `velocity` (positive opens), m/s, with at most
+    /// `force`, N, each.
+    pub(crate) fn drive_fingers(&mut self, velocity: f64, force: f64) {
+        let first = self.finger(0);
+        let (multibody, _) =
+            self.world.multibody_joints.get_mut(self.arm).expect("the joint is never removed");
+        for finger in first..first + FINGERS {
+            let link = multibody.link_mut(finger).expect("the fingers are the last links");
+            link.joint.data.set_motor_velocity(JointAxis::LinX, velocity, FINGER_MOTOR_GAIN);
+            link.joint.data.set_motor_max_force(JointAxis::LinX, force);
+        }
+    }
+
+    /// Advances by one step.
+    pub(crate) fn step(&mut self) {
+        self.world.step();
+    }
+
+    /// Computes contacts where everything stands.
+    pub(crate) fn detect_contacts(&mut self) {
+        // A step of zero length. `PhysicsWorld::detect_collisions` panics before the first step.
+        let dt = std::mem::replace(&mut self.world.integration_parameters.dt, 0.0);
+        self.world.step();
+        self.world.integration_parameters.dt = dt;
+    }
+
+    /// The pairs of colliders whose bounds meet, with the contacts found at the beginning of the last step.
+    pub(crate) fn contact_pairs(&self) -> impl Iterator<Item = &ContactPair> {
+        self.world.contact_pairs()
+    }
+
+    /// The index of the body that carries a collider, and the pose of the collider in it.
+    pub(crate) fn collider(&self, handle: rapier3d::geometry::ColliderHandle) -> (usize, Pose) {
+        let collider = &self.world.colliders[handle];
+        let body_from_collider = collider.position_wrt_parent().expect("every collider is on a body");
+        (collider.user_data as usize, convert::from_rapier(body_from_collider))
+    }
+
+    /// The name of a body that rapier took out of the simulation in the last step.
+    pub(crate) fn quarantined(&self) -> Option<&str> {
+        let handle = self.world.quarantine().bodies().first()?;
+        let index = self.bodies.iter().position(|body| body == handle)?;
+        Some(&self.names[index])
+    }
+
+    /// The name of a body of robot or object that sleeps.
+    pub(crate) fn asleep(&self) -> Option<&str> {
+        let index = self.bodies.iter().position(|handle| {
+            let body = &self.world.bodies[*handle];
+            body.is_dynamic() && body.is_sleeping()
+        })?;
+        Some(&self.names[index])
+    }
+
+    /// The mass matrix of all joints where they stand, rotor inertia included, with neither damping nor
+    /// the step in it.
+    pub(crate) fn mass_matrix(&mut self) -> DMatrix<f64> {
+        let world = &mut self.world;
+        let (multibody, _) = world.multibody_joints.get_mut(self.arm).expect("the joint is never removed");
+        // Assembles the matrix for a step of zero length, which drops the implicit damping.
+        multibody.dof_inverse_inertia(&world.bodies);
+        let factors = multibody.inv_augmented_mass();
+        let mut mass = factors.l() * factors.u();
+        factors.p().inv_permute_rows(&mut mass);
+        mass
+    }
+
+    /// The accelerations of all joints in the last substep before contacts, limits, motors and dry
+    /// friction, which rapier solves afterwards.
+    pub(crate) fn unconstrained_acceleration(&self, qdd: &mut [f64]) {
+        qdd.copy_from_slice(self.multibody().generalized_acceleration().as_slice());
+    }
+}
+
+/// The coordinate of rapier's joint that is free.
+fn free_axis(kind: JointKind) -> JointAxis {
+    match kind {
+        JointKind::Revolute => JointAxis::AngX,
+        JointKind::Prismatic => JointAxis::LinX,
+    }
+}
+
+/// A joint as rapier needs it.
+struct JointData {
+    kind: JointKind,
+    parent_from_joint: Pose,
+    axis: Unit<Vector3<f64>>,
+    position_limits: [f64; 2],
+}
+
+struct Builder {
+    world: PhysicsWorld,
+    bodies: Vec<RigidBodyHandle>,
+    names: Vec<String>,
+    friction: f64,
+}
+
+impl Builder {
+    fn new(gravity: Vector3<f64>, settings: &PlantSettings<'_>) -> Self {
+        let mut world = PhysicsWorld::new();
+        world.gravity = convert::vector_to_rapier(&gravity);
+        let softness = SpringCoefficients::new(settings.contact.frequency, settings.contact.damping_ratio);
+        let parameters = &mut world.integration_parameters;
+        parameters.dt = settings.dt;
+        parameters.num_solver_iterations = settings.substeps;
+        parameters.contact_softness = softness;
+        parameters.static_contact_softness = softness;
+        parameters.normalized_prediction_distance = settings.contact.prediction;
+        // A recycled contact reports the depth of an earlier step.
+        parameters.contact_recycling = false;
+        // Clusters keep impulses away from the points that carry them.
+        parameters.contact_clustering = false;
+        // Continuous collision detection would set bodies back in time: at 1 kHz and a few m/s nothing
+        // tunnels through bodies of millimetres.
+        parameters.max_ccd_substeps = 0;
+        Self { world, bodies: Vec::new(), names: Vec::new(), friction: settings.contact.friction }
+    }
+
+    fn add_body(
+        &mut self,
+        name: &str,
+        shapes: &[PlacedShape],
+        friction: f64,
+        body: RigidBodyBuilder,
+    ) -> Result<RigidBodyHandle, SimError> {
+        let index = self.bodies.len();
+        let handle = self.world.insert_body(body);
+        for placed in shapes {
+            let (body_from_shape, shape) = rapier_shape(name, placed)?;
+            let collider = ColliderBuilder::new(shape)
+                .position(convert::to_rapier(&body_from_shape))
+                // Mass comes from the inertial data, not from shapes.
+                .density(0.0)
+                .friction(friction)
+                .restitution(0.0)
+                .user_data(index as u128);
+            self.world.insert_collider(collider, Some(handle));
+        }
+        self.bodies.push(handle);
+        self.names.push(name.to_owned());
+        Ok(handle)
+    }
+
+    fn add_fixed(
+        &mut self,
+        name: &str,
+        shapes: &[PlacedShape],
+        world_from_body: &Pose,
+    ) -> Result<RigidBodyHandle, SimError> {
+        let body = RigidBodyBuilder::fixed().pose(convert::to_rapier(world_from_body));
+        self.add_body(name, shapes, self.friction, body)
+    }
+
+    fn add_object(&mut self, object: &Object) -> Result<usize, SimError> {
+        let inertial = object.shape.inertial(object.mass);
+        let body = dynamic(&inertial)
+            .pose(convert::to_rapier(&object.world_from_object))
+            .gyroscopic_forces_enabled(true);
+        let shape = PlacedShape { body_from_shape: Pose::identity(), shape: object.shape.clone() };
+        self.add_body(&object.name, &[shape], object.friction, body)?;
+        Ok(self.bodies.len() - 1)
+    }
+
+    /// Adds links and fingers; returns the joint of the first link.
+    fn add_arm(
+        &mut self,
+        robot: &RobotModel,
+        base: RigidBodyHandle,
+    ) -> Result<MultibodyJointHandle, SimError> {
+        let mut parent = base;
+        let mut first = None;
+        for (joint, link) in robot.joints.iter().zip(&robot.links) {
+            let data = JointData {
+                kind: joint.kind,
+                parent_from_joint: joint.parent_from_joint,
+                axis: joint.axis,
+                position_limits: [joint.limits.position_min, joint.limits.position_max],
+            };
+            let (body, handle) = self.add_link(link, parent, &data)?;
+            parent = body;
+            first = first.or(Some(handle));
+        }
+        for finger in &robot.gripper.fingers {
+            let data = JointData {
+                kind: JointKind::Prismatic,
+                parent_from_joint: finger.link_from_finger,
+                axis: finger.axis,
+                position_limits: [0.0, robot.gripper.opening_max / 2.0],
+            };
+            let (_, handle) = self.add_link(&finger.link, parent, &data)?;
+            first = first.or(Some(handle));
+        }
+        Ok(first.expect("the fingers have joints"))
+    }
+
+    fn add_link(
+        &mut self,
+        link: &Link,
+        parent: RigidBodyHandle,
+        joint: &JointData,
+    ) -> Result<(RigidBodyHandle, MultibodyJointHandle), SimError> {
+        let body = self.add_body(&link.name, &link.shapes, self.friction, dynamic(&link.inertial))?;
+        let joint_from_axis = turn_x_onto(&joint.axis);
+        let (locked, free) = match joint.kind {
+            JointKind::Revolute => (JointAxesMask::LOCKED_REVOLUTE_AXES, free_axis(joint.kind)),
+            JointKind::Prismatic => (JointAxesMask::LOCKED_PRISMATIC_AXES, free_axis(joint.kind)),
+        };
+        let mut builder = GenericJointBuilder::new(locked)
+            .local_frame1(convert::to_rapier(&(joint.parent_from_joint * joint_from_axis)))
+            .local_frame2(convert::to_rapier(&joint_from_axis))
+            .motor_model(free, MotorModel::ForceBased)
+            .contacts_enabled(false);
+        if joint.position_limits.iter().all(|limit| limit.is_finite()) {
+            builder = builder.limits(free, joint.position_limits);
+        }
+        let handle = self
+            .world
+            .insert_multibody_joint(parent, body, builder.build())
+            .ok_or_else(|| SimError::Chain { link: link.name.clone() })?;
+        Ok((body, handle))
+    }
+}
+
+/// A body that moves and never sleeps: rapier would freeze slow motion.
+fn dynamic(inertial: &Inertial) -> RigidBodyBuilder {
+    RigidBodyBuilder::dynamic().can_sleep(false).additional_mass_properties(
+        MassProperties::with_inertia_matrix(
+            convert::point_to_rapier(&inertial.center),
+            inertial.mass,
+            convert::matrix_to_rapier(&inertial.tensor),
+        ),
+    )
+}
+
+/// The rotation that brings x onto `axis`.
+fn turn_x_onto(axis: &Unit<Vector3<f64>>) -> Pose {
+    // Undefined only for the opposite direction, where half a turn about z does it.
+    let rotation = UnitQuaternion::rotation_between(&Vector3::x(), axis)
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI));
+    Pose::from_parts(Translation3::identity(), rotation)
+}
+
+/// Rapier's form of a shape and its pose in the body. Its cylinders stand along y, ours along z.
+fn rapier_shape(body: &str, placed: &PlacedShape) -> Result<(Pose, SharedShape), SimError> {
+    let body_from_shape = placed.body_from_shape;
+    Ok(match &placed.shape {
+        Shape::Box { half_extents } => {
+            (body_from_shape, SharedShape::cuboid(half_extents.x, half_extents.y, half_extents.z))
+        }
+        Shape::Sphere { radius } => (body_from_shape, SharedShape::ball(*radius)),
+        Shape::Cylinder { radius, half_length } => {
+            let quarter = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
+            (body_from_shape * quarter, SharedShape::cylinder(*half_length, *radius))
+        }
+        Shape::Capsule { radius, half_length } => {
+            (body_from_shape, SharedShape::capsule_z(*half_length, *radius))
+        }
+        Shape::Hull { points } => {
+            let vertices: Vec<Vector> = points.iter().map(convert::point_to_rapier).collect();
+            let hull = SharedShape::convex_hull(&vertices)
+                .ok_or_else(|| SimError::FlatHull { body: body.to_owned(), points: points.len() })?;
+            (body_from_shape, hull)
+        }
+    })
+}

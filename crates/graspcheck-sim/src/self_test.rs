@@ -1,0 +1,168 @@
+//! Compares the built multibody with the model's own dynamics before anything is simulated.
+//!
+//! Both are computed from the same data in different ways: rapier assembles Σ Jᵀ diag(m, I) J with its own
+//! Jacobians, the model uses recursive Newton–Euler. They agree to rounding, or the bridge between them is
+//! wrong (a turned joint frame, an inertia in the wrong axes, a hidden damping), and then no simulation is
+//! worth looking at.
+
+use graspcheck_model::{cell::Cell, dynamics::Dynamics, execution::ContactModel, robot::RobotModel};
+
+use crate::{
+    error::SimError,
+    plant::{FINGERS, Plant, PlantSettings},
+};
+
+/// How far mass matrix and bias forces may differ, as a share of the largest entry. Both sides are sums of
+/// some hundred products with rounding errors of 1.1e-16 each; rapier's principal axes of inertia cost
+/// about 1e-9. A wrong frame or damping shows at 1e-3 and more.
+pub(crate) const MODEL_TOLERANCE: f64 = 1e-6;
+
+/// At how many states the two are compared.
+const STATES: usize = 4;
+
+/// Length of the step that yields accelerations, s. Rapier's error in them is proportional to it.
+const STEP: f64 = 1e-9;
+
+/// Range of a joint without position limits, rad or m.
+const UNLIMITED_RANGE: f64 = 3.0;
+
+/// Compares at states drawn from `seed`.
+///
+/// # Errors
+/// [`SimError::ModelMismatch`] with the worst entry.
+pub(crate) fn run(
+    robot: &RobotModel,
+    cell: &Cell,
+    contact: &ContactModel,
+    seed: u64,
+) -> Result<(), SimError> {
+    let empty = Cell { bodies: Vec::new(), ..cell.clone() };
+    let settings = PlantSettings { dt: STEP, substeps: 1, contact };
+    let mut plant = Plant::new(robot, &empty, None, &settings)?;
+    let mut dynamics = Dynamics::new(robot, cell.gravity);
+    let mut random = SplitMix(seed);
+    for _ in 0..STATES {
+        let state = State::draw(robot, &mut random);
+        compare(robot, &mut plant, &mut dynamics, &state)?;
+    }
+    Ok(())
+}
+
+/// Positions and velocities of the arm, and the fingers' common position.
+struct State {
+    q: Vec<f64>,
+    qd: Vec<f64>,
+    finger: f64,
+}
+
+impl State {
+    fn draw(robot: &RobotModel, random: &mut SplitMix) -> Self {
+        let mut q = Vec::new();
+        let mut qd = Vec::new();
+        for joint in &robot.joints {
+            let limits = &joint.limits;
+            let bounded = |limit: f64, fallback: f64| if limit.is_finite() { limit } else { fallback };
+            let low = bounded(limits.position_min, -UNLIMITED_RANGE);
+            let high = bounded(limits.position_max, UNLIMITED_RANGE);
+            q.push(low + (high - low) * random.unit());
+            qd.push(bounded(limits.velocity, 1.0) * (2.0 * random.unit() - 1.0));
+        }
+        Self { q, qd, finger: robot.gripper.opening_max / 2.0 * random.unit() }
+    }
+}
+
+fn compare(
+    robot: &RobotModel,
+    plant: &mut Plant,
+    dynamics: &mut Dynamics,
+    state: &State,
+) -> Result<(), SimError> {
+    let dof = robot.dof();
+    let mut q = state.q.clone();
+    let mut qd = state.qd.clone();
+    q.extend([state.finger; FINGERS]);
+    qd.extend([0.0; FINGERS]);
+    plant.set_state(&q, &qd);
+    // The fingers stand still relative to the hand, so the arm's block of the matrix, and its rows of
+    // M a + h = 0, are those of an arm with fixed fingers.
+    let mass = plant.mass_matrix();
+    dynamics.set_load(2.0 * state.finger, None);
+    let expected_mass = dynamics.mass_matrix(&state.q);
+    let arm_mass = mass.view((0, 0), (dof, dof));
+    let mismatch = |quantity, joint: usize, rapier, model, tolerance| SimError::ModelMismatch {
+        quantity,
+        joint: robot.joints[joint].name.clone(),
+        rapier,
+        model,
+        tolerance,
+        q: state.q.clone(),
+        qd: state.qd.clone(),
+    };
+    let tolerance = MODEL_TOLERANCE * expected_mass.amax();
+    for row in 0..dof {
+        for column in 0..dof {
+            let (rapier, model) = (arm_mass[(row, column)], expected_mass[(row, column)]);
+            if !within(rapier, model, tolerance) {
+                return Err(mismatch("mass matrix", row, rapier, model, tolerance));
+            }
+        }
+    }
+
+    plant.step();
+    let mut acceleration = vec![0.0; q.len()];
+    plant.unconstrained_acceleration(&mut acceleration);
+    let inertial_force = &mass * nalgebra::DVector::from_vec(acceleration);
+    let mut bias = vec![0.0; dof];
+    dynamics.inverse(&state.q, &state.qd, &vec![0.0; dof], &mut bias);
+    let viscous: Vec<f64> = robot.joints.iter().zip(&qd).map(|(joint, rate)| joint.damping * rate).collect();
+    let largest = bias.iter().zip(&viscous).fold(0.0, |worst: f64, (h, d)| worst.max((h + d).abs()));
+    let tolerance = MODEL_TOLERANCE * largest.max(expected_mass.amax());
+    for joint in 0..dof {
+        let (rapier, model) = (-inertial_force[joint], bias[joint] + viscous[joint]);
+        if !within(rapier, model, tolerance) {
+            return Err(mismatch("bias force", joint, rapier, model, tolerance));
+        }
+    }
+    Ok(())
+}
+
+/// False also when a value is NaN.
+fn within(left: f64, right: f64, tolerance: f64) -> bool {
+    (left - right).abs() <= tolerance
+}
+
+/// Uniform numbers from a seed (Steele, Lea, Flood, *Fast splittable pseudorandom number generators*,
+/// 2014).
+struct SplitMix(u64);
+
+impl SplitMix {
+    /// The next number in [0, 1).
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        bits ^= bits >> 31;
+        (bits >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixtures;
+    use nalgebra::Vector3;
+
+    fn test(robot: &RobotModel) -> Result<(), SimError> {
+        // Gravity along no axis.
+        let cell = fixtures::empty_cell(Vector3::new(1.5, -3.0, -9.0));
+        run(robot, &cell, &fixtures::execution().contact, 7)
+    }
+
+    #[test]
+    fn rapier_and_the_model_agree_on_every_arm() {
+        for robot in [fixtures::scara(), fixtures::rrr(), fixtures::tilted()] {
+            assert_eq!(test(&robot), Ok(()), "{}", robot.name);
+        }
+    }
+}
