@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn closed_forms_agree_with_sums_over_small_cubes() {
-        let (r, h) = (0.3, 0.5);
+        let (r, h) = (0.3, 0.49);
         let cases: [(Shape, Box<dyn Fn(&Point3<f64>) -> bool>); 4] = [
             (
                 Shape::Box { half_extents: Vector3::new(0.21, 0.42, 0.7) },
