@@ -1,1 +1,38 @@
 //! Continuous-time proofs of clearance and limits, kept as certificates.
+//!
+//! A [`Scene`] holds robot, cell and object as convex solids. [`Scene::certify`] proves for every pair of
+//! them that a plan keeps the required distance *at every instant*, or finds an instant at which it does
+//! not; [`Scene::minimum_margin`] brackets how much room is left. Nothing is sampled: at the middle of an
+//! interval of time a slab between two solids is certified by support functions ([`gap`]), a bound on how
+//! far motion can carry them ([`displacement`]) is taken off, and what does not suffice is halved.
+//!
+//! Three outcomes: free and violated are proofs; what is neither is *unknown* or *not checked*.
+//!
+//! Clearance is positive apart, zero touching, negative overlapping, in m.
+//!
+//! Reading order: [`solid`], [`gap`], `chain`, [`scene`], [`contact`], `stretch`, `displacement`,
+//! [`certify`], [`certificate`], [`minimum`], [`sample`], [`hull`].
+
+pub mod certificate;
+pub mod certify;
+mod chain;
+pub mod contact;
+mod displacement;
+mod error;
+pub mod gap;
+pub mod hull;
+pub mod minimum;
+pub mod sample;
+pub mod scene;
+pub mod solid;
+mod stretch;
+
+pub use certificate::{
+    Certificate, Doubt, Leaf, PairCertificate, PairVerdict, ProofOutcome, Violation,
+};
+pub use contact::{Contact, RequiredPair};
+pub use error::SceneError;
+pub use hull::hull_triangles;
+pub use minimum::MarginBounds;
+pub use sample::Sampler;
+pub use scene::Scene;

@@ -1,0 +1,230 @@
+//! How far a solid can come towards another on an interval of time.
+//!
+//! Let joints move from their positions at the reference time (the middle of the interval) to those at any
+//! other time of it, one joint after the other, the outermost first. While joint j moves, the joints before
+//! it still stand at the reference, so that its axis `a_j` is where it is at the reference time. Then
+//! - a revolute joint moves a point by a chord across `a_j` of at most `2 ρ_j sin(δ_j / 2)`, where `δ_j ≤ π` is
+//!   how far the joint goes from its reference position, and `ρ_j` bounds the point's distance from the axis;
+//! - a prismatic joint moves it along `a_j` by at most `δ⁺` forwards and `δ⁻` backwards.
+//!
+//! Summed up, no point moves farther than **B0** `= Σ chords + Σ δ` (after Schwarzer, Saha and Latombe,
+//! *Adaptive dynamic collision checking*, T-RO 21(3), 2005), and along a direction n not farther than
+//! **B1** `= Σ ‖n × a_j‖ chord_j + Σ max((n·a_j) δ⁺_j, -(n·a_j) δ⁻_j)`. B1 is never the larger, so it is the loss.
+//! B0 serves in the radius: when joint j moves, the outer joints have moved already, hence
+//! `ρ_j = (distance of the solid from the axis at the reference time) + (what the outer joints can add across
+//! the axis)`. The positions are exact ranges, not speed times time: a joint that turns back costs nothing
+//! extra.
+//!
+//! Nothing here asks for parallel axes; where the axes between j and the solid are parallel, the solid's
+//! extent counts across the axis only.
+//!
+//! Of two moving bodies only the joints beyond their common link count: the argument holds in that link's
+//! frame.
+
+use graspcheck_model::{Pose, robot::JointKind};
+use nalgebra::{Translation3, Vector3};
+
+use crate::{
+    chain::Carrier,
+    contact::{Requirement, Stage},
+    scene::{PartPair, Scene},
+    solid::{Place, Placed},
+    stretch::{Range, Stretch},
+};
+
+/// The scene at a reference time, and the motion of every joint on an interval around it.
+///
+/// Places and chords of a part are computed when it is first asked for.
+pub(crate) struct Moment<'s> {
+    scene: &'s Scene,
+    stage: &'s Stage,
+    q: Vec<f64>,
+    arm: Vec<Range>,
+    /// Of the position of each finger, which is half of the opening.
+    finger: Range,
+    world_from_link: Vec<Pose>,
+    axes: Vec<Vector3<f64>>,
+    parts: Vec<PartState>,
+    /// For each part and arm joint: the chord of a revolute joint, m; 0 for a prismatic one.
+    chords: Vec<f64>,
+    /// Counts the settings; a part whose count differs is not up to date.
+    setting: u64,
+}
+
+#[derive(Clone, Copy)]
+struct PartState {
+    setting: u64,
+    place: Place,
+    finger_axis: Vector3<f64>,
+}
+
+const STILL: Range = Range { reference: 0.0, below: 0.0, above: 0.0 };
+
+impl<'s> Moment<'s> {
+    pub(crate) fn new(scene: &'s Scene, stage: &'s Stage) -> Self {
+        let dof = scene.robot.dof();
+        let nowhere = Place::from(&Pose::identity());
+        let part = PartState { setting: 0, place: nowhere, finger_axis: Vector3::zeros() };
+        Self {
+            scene,
+            stage,
+            q: vec![0.0; dof],
+            arm: vec![STILL; dof],
+            finger: STILL,
+            world_from_link: vec![Pose::identity(); dof],
+            axes: vec![Vector3::zeros(); dof],
+            parts: vec![part; scene.parts.len()],
+            chords: vec![0.0; scene.parts.len() * dof],
+            setting: 0,
+        }
+    }
+
+    /// Moves to the middle of `[start, end]` on a stretch of the plan.
+    pub(crate) fn set(&mut self, stage: &'s Stage, stretch: &Stretch, start: f64, end: f64) {
+        for (joint, range) in self.arm.iter_mut().enumerate() {
+            *range = stretch.arm(joint, start, end);
+        }
+        let opening = stretch.opening(start, end);
+        self.finger = half_opening(opening, stage.opening_min);
+        self.update(stage);
+    }
+
+    /// Moves to joint positions `q` and an opening at which nothing moves.
+    pub(crate) fn set_still(&mut self, stage: &'s Stage, q: &[f64], opening: f64) {
+        for (range, &reference) in self.arm.iter_mut().zip(q) {
+            *range = Range { reference, ..STILL };
+        }
+        self.finger = half_opening(Range { reference: opening, ..STILL }, 0.0);
+        self.update(stage);
+    }
+
+    fn update(&mut self, stage: &'s Stage) {
+        self.stage = stage;
+        self.setting += 1;
+        for (q, range) in self.q.iter_mut().zip(&self.arm) {
+            *q = range.reference;
+        }
+        self.scene.robot.forward_into(&self.q, &mut self.world_from_link);
+        for ((axis, pose), joint) in
+            self.axes.iter_mut().zip(&self.world_from_link).zip(&self.scene.robot.joints)
+        {
+            *axis = pose.rotation * joint.axis.into_inner();
+        }
+    }
+
+    /// Both solids of a pair where they are at the reference time.
+    pub(crate) fn placed(&mut self, pair: PartPair) -> [Placed<'s>; 2] {
+        [pair.a, pair.b].map(|part| {
+            if self.parts[part].setting != self.setting {
+                self.bring_up_to_date(part);
+            }
+            Placed { solid: &self.scene.parts[part].solid, place: self.parts[part].place }
+        })
+    }
+
+    /// How much narrower than at the reference time the gap of a pair across `n` (from a to b) can become
+    /// on the interval, m.
+    ///
+    /// The pair must have been asked for by [`Moment::placed`] at this setting.
+    pub(crate) fn loss(&self, pair: PartPair, requirement: &Requirement, n: &Vector3<f64>) -> f64 {
+        self.approach(pair.a, requirement.first_joint, n) + self.approach(pair.b, requirement.first_joint, &-n)
+    }
+
+    /// B1: how far the joints from `first` on can move a part along `n`, m.
+    fn approach(&self, part: usize, first: usize, n: &Vector3<f64>) -> f64 {
+        let carrier = self.stage.mount(self.scene, part).carrier;
+        let dof = self.axes.len();
+        let mut sum = 0.0;
+        for joint in first..carrier.arm_joints(dof) {
+            let axis = &self.axes[joint];
+            sum += match self.scene.robot.joints[joint].kind {
+                JointKind::Revolute => {
+                    let chord = self.chords[part * dof + joint];
+                    if chord > 0.0 { chord * n.cross(axis).norm() } else { 0.0 }
+                }
+                JointKind::Prismatic => slide(n.dot(axis), &self.arm[joint]),
+            };
+        }
+        if let Carrier::Finger(_) = carrier {
+            sum += slide(n.dot(&self.parts[part].finger_axis), &self.finger);
+        }
+        sum
+    }
+
+    fn bring_up_to_date(&mut self, part: usize) {
+        let scene = self.scene;
+        let stage = self.stage;
+        let mount = stage.mount(scene, part);
+        let state = &mut self.parts[part];
+        state.setting = self.setting;
+        let last = self.world_from_link.len() - 1;
+        match mount.carrier {
+            Carrier::World => {
+                let of_object = if scene.object_part == Some(part) { stage.object_place } else { None };
+                state.place = of_object
+                    .or(scene.parts[part].place)
+                    .unwrap_or_else(|| Place::from(&mount.carrier_from_solid));
+                return;
+            }
+            Carrier::Link(link) => {
+                state.place = Place::from(&(self.world_from_link[link] * mount.carrier_from_solid));
+            }
+            Carrier::Finger(index) => {
+                let finger = &scene.robot.gripper.fingers[index];
+                let axis = finger.axis.into_inner();
+                let world_from_closed = self.world_from_link[last] * finger.link_from_finger;
+                let world_from_finger =
+                    world_from_closed * Translation3::from(axis * self.finger.reference);
+                state.place = Place::from(&(world_from_finger * mount.carrier_from_solid));
+                state.finger_axis = world_from_closed.rotation * axis;
+            }
+        }
+        self.measure_chords(part);
+    }
+
+    fn measure_chords(&mut self, part: usize) {
+        let mount = self.stage.mount(self.scene, part);
+        let PartState { place, finger_axis, .. } = self.parts[part];
+        let dof = self.axes.len();
+        let joints = &self.scene.robot.joints;
+        let chords = &mut self.chords[part * dof..(part + 1) * dof];
+        let mut outer_chords = 0.0;
+        for joint in (0..mount.carrier.arm_joints(dof)).rev() {
+            let range = &self.arm[joint];
+            let delta = range.below.max(range.above);
+            chords[joint] = 0.0;
+            if joints[joint].kind == JointKind::Prismatic || delta <= 0.0 {
+                continue;
+            }
+            let axis = &self.axes[joint];
+            let origin = &self.world_from_link[joint].translation.vector;
+            let mut radius = (place.center - origin).cross(axis).norm() + mount.radial_extents[joint];
+            radius += outer_chords;
+            for outer in joint + 1..mount.carrier.arm_joints(dof) {
+                if joints[outer].kind == JointKind::Prismatic {
+                    let slide = self.arm[outer].below.max(self.arm[outer].above);
+                    radius += slide * self.axes[outer].cross(axis).norm();
+                }
+            }
+            if let Carrier::Finger(_) = mount.carrier {
+                radius += self.finger.below.max(self.finger.above) * finger_axis.cross(axis).norm();
+            }
+            chords[joint] = 2.0 * radius * (0.5 * delta.min(std::f64::consts::PI)).sin();
+            outer_chords += chords[joint];
+        }
+    }
+}
+
+/// How far a sliding joint whose axis has this share along a direction can move something along it, m.
+fn slide(along: f64, range: &Range) -> f64 {
+    (along * range.above).max(-along * range.below)
+}
+
+/// The positions of a finger when the pads are as far apart as the opening says, but not nearer than
+/// `least` (m).
+fn half_opening(opening: Range, least: f64) -> Range {
+    let reference = opening.reference.max(least);
+    let low = (opening.reference - opening.below).max(least);
+    let high = (opening.reference + opening.above).max(least);
+    Range { reference: 0.5 * reference, below: 0.5 * (reference - low), above: 0.5 * (high - reference) }
+}

@@ -1,0 +1,268 @@
+//! One convex solid: a core and a ball around every point of it.
+//!
+//! Every shape of the model is `core ⊕ ball(radius)` (a Minkowski sum): a capsule is a segment and a ball, a
+//! box is a box and a ball of radius zero. Cores have closed-form support functions, and the distance of two
+//! solids is the distance of their cores less both radii. That keeps curved rims out of the search for
+//! closest points, which is slow and inexact on them.
+
+use graspcheck_model::{Pose, shape::Shape};
+use nalgebra::{Matrix3, Vector3};
+use parry3d::{math, shape::SupportMap};
+
+/// A convex solid in its own frame: all points within [`Solid::radius`] of its core.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    core: Core,
+    radius: f64,
+    bounding_radius: f64,
+}
+
+/// The core of a [`Solid`], lengths in m. It is compact, convex, and lies around the origin.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Core {
+    /// The origin.
+    Point,
+    /// A segment along z.
+    Segment {
+        /// Half of its length, m.
+        half_length: f64,
+    },
+    /// A box along the axes.
+    Box {
+        /// Half lengths, m.
+        half_extents: Vector3<f64>,
+    },
+    /// A cylinder with its axis along z.
+    Cylinder {
+        /// Radius, m.
+        radius: f64,
+        /// Half of its length, m.
+        half_length: f64,
+    },
+    /// The convex hull of points, m.
+    Points(Vec<Vector3<f64>>),
+}
+
+impl Solid {
+    /// The solid of a shape, and where its origin stands in the frame of the shape, m: the middle of the
+    /// bounding box of a hull, zero for all other shapes.
+    ///
+    /// # Errors
+    /// Says in words what is wrong when a length is not finite or not positive, or a hull has fewer than
+    /// four points.
+    pub fn from_shape(shape: &Shape) -> Result<(Self, Vector3<f64>), String> {
+        let length = |quantity: &str, value: f64| {
+            if value.is_finite() && value > 0.0 {
+                Ok(value)
+            } else {
+                Err(format!("{quantity} {value} m must be finite and positive"))
+            }
+        };
+        let mut origin = Vector3::zeros();
+        let (core, radius) = match shape {
+            Shape::Box { half_extents } => {
+                for (axis, half) in ["x", "y", "z"].iter().zip(half_extents) {
+                    length(&format!("half length along {axis}"), *half)?;
+                }
+                (Core::Box { half_extents: *half_extents }, 0.0)
+            }
+            Shape::Sphere { radius } => (Core::Point, length("radius", *radius)?),
+            Shape::Cylinder { radius, half_length } => {
+                let (radius, half_length) = (length("radius", *radius)?, length("half length", *half_length)?);
+                (Core::Cylinder { radius, half_length }, 0.0)
+            }
+            Shape::Capsule { radius, half_length } => {
+                let half_length = length("half length", *half_length)?;
+                (Core::Segment { half_length }, length("radius", *radius)?)
+            }
+            Shape::Hull { points } => {
+                if points.len() < 4 {
+                    return Err(format!("a hull of {} points needs at least 4", points.len()));
+                }
+                if let Some(index) = points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+                    return Err(format!("point {index} of the hull, {}, must be finite", points[index]));
+                }
+                let first = points[0].coords;
+                let (low, high) = points
+                    .iter()
+                    .fold((first, first), |(low, high), p| (low.inf(&p.coords), high.sup(&p.coords)));
+                origin = 0.5 * (low + high);
+                (Core::Points(points.iter().map(|p| p.coords - origin).collect()), 0.0)
+            }
+        };
+        Ok((Self::new(core, radius), origin))
+    }
+
+    /// All points within `radius` (m, not negative) of a core.
+    #[must_use]
+    pub fn new(core: Core, radius: f64) -> Self {
+        let core_radius = match &core {
+            Core::Point => 0.0,
+            Core::Segment { half_length } => *half_length,
+            Core::Box { half_extents } => half_extents.norm(),
+            Core::Cylinder { radius, half_length } => radius.hypot(*half_length),
+            Core::Points(points) => points.iter().map(Vector3::norm).fold(0.0, f64::max),
+        };
+        Self { core, radius, bounding_radius: core_radius + radius }
+    }
+
+    /// The core.
+    #[must_use]
+    pub fn core(&self) -> &Core {
+        &self.core
+    }
+
+    /// How far the solid reaches beyond its core, m.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// The largest distance of a point of the solid from its origin, m.
+    #[must_use]
+    pub fn bounding_radius(&self) -> f64 {
+        self.bounding_radius
+    }
+
+    /// A bound on the distance of any point of the solid from the line through its origin along `axis` (of
+    /// length 1, in the solid's frame), m. It is reached, except by cylinders oblique to the axis.
+    #[must_use]
+    pub fn radial_extent(&self, axis: &Vector3<f64>) -> f64 {
+        let across = |p: &Vector3<f64>| p.cross(axis).norm();
+        let core = match &self.core {
+            Core::Point => 0.0,
+            Core::Segment { half_length } => across(&(Vector3::z() * *half_length)),
+            Core::Box { half_extents: h } => [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]]
+                .iter()
+                .map(|[x, y]| across(&Vector3::new(x * h.x, y * h.y, h.z)))
+                .fold(0.0, f64::max),
+            Core::Cylinder { radius, half_length } => radius + across(&(Vector3::z() * *half_length)),
+            Core::Points(points) => points.iter().map(across).fold(0.0, f64::max),
+        };
+        core + self.radius
+    }
+
+    /// A smaller solid that stays in this one when a ball of radius `depth` (m) is added to every point of
+    /// it; none when this solid has no closed form for one.
+    ///
+    /// Lengths shrink by the depth. For a box `h(n) = Σ |nᵢ| hᵢ` falls by `depth Σ |nᵢ| ≥ depth`, for a
+    /// cylinder likewise, so that adding the ball does not leave the solid.
+    #[must_use]
+    pub fn eroded(&self, depth: f64) -> Option<Self> {
+        if self.radius >= depth {
+            return Some(Self::new(self.core.clone(), self.radius - depth));
+        }
+        let depth = depth - self.radius;
+        match &self.core {
+            Core::Box { half_extents } if half_extents.min() > depth => {
+                let half_extents = half_extents.add_scalar(-depth);
+                Some(Self::new(Core::Box { half_extents }, 0.0))
+            }
+            Core::Cylinder { radius, half_length } if radius.min(*half_length) > depth => {
+                let core = Core::Cylinder { radius: radius - depth, half_length: half_length - depth };
+                Some(Self::new(core, 0.0))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Core {
+    /// The point of the core that lies farthest along `direction` (any length, in the solid's frame), m.
+    #[must_use]
+    pub fn support(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Point => Vector3::zeros(),
+            Self::Segment { half_length } => Vector3::z() * half_length.copysign(direction.z),
+            Self::Box { half_extents } => half_extents.zip_map(direction, f64::copysign),
+            Self::Cylinder { radius, half_length } => {
+                let across = direction.x.hypot(direction.y);
+                let scale = if across > 0.0 { radius / across } else { 0.0 };
+                Vector3::new(scale * direction.x, scale * direction.y, half_length.copysign(direction.z))
+            }
+            Self::Points(points) => {
+                let mut best = (f64::NEG_INFINITY, Vector3::zeros());
+                for point in points {
+                    let along = point.dot(direction);
+                    if along > best.0 {
+                        best = (along, *point);
+                    }
+                }
+                best.1
+            }
+        }
+    }
+
+    /// The support function `max n·p` over the points p of the core, m, for a direction n of length 1 in
+    /// the solid's frame.
+    #[must_use]
+    pub fn reach(&self, n: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Point => 0.0,
+            Self::Segment { half_length } => half_length * n.z.abs(),
+            Self::Box { half_extents } => n.abs().dot(half_extents),
+            Self::Cylinder { radius, half_length } => radius * n.x.hypot(n.y) + half_length * n.z.abs(),
+            Self::Points(points) => points.iter().map(|p| p.dot(n)).fold(f64::NEG_INFINITY, f64::max),
+        }
+    }
+}
+
+/// A solid at a place in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed<'a> {
+    /// The solid.
+    pub solid: &'a Solid,
+    /// Where it is.
+    pub place: Place,
+}
+
+/// A place in the world: rotation and origin of a solid's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// From the solid's frame to the world.
+    pub rotation: Matrix3<f64>,
+    /// The solid's origin in the world, m.
+    pub center: Vector3<f64>,
+}
+
+impl From<&Pose> for Place {
+    fn from(world_from_solid: &Pose) -> Self {
+        Self {
+            rotation: world_from_solid.rotation.to_rotation_matrix().into_inner(),
+            center: world_from_solid.translation.vector,
+        }
+    }
+}
+
+impl Placed<'_> {
+    /// How far the solid reaches from its origin along a direction n of length 1 in the world, m: its
+    /// support function less `n·center`.
+    #[must_use]
+    pub fn reach(&self, n: &Vector3<f64>) -> f64 {
+        self.solid.core.reach(&self.place.rotation.tr_mul(n)) + self.solid.radius
+    }
+
+    /// The point of the core that lies farthest along a direction in the world, m.
+    #[must_use]
+    pub fn core_support(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.place.center
+            + self.place.rotation * self.solid.core.support(&self.place.rotation.tr_mul(direction))
+    }
+}
+
+/// The core as parry sees it. Both solids of a query stand in the world already, so that the pose between
+/// them is the identity and is not looked at.
+impl SupportMap for Placed<'_> {
+    fn local_support_point(&self, direction: math::Vector) -> math::Vector {
+        let point = self.core_support(&Vector3::new(direction.x, direction.y, direction.z));
+        math::Vector::new(point.x, point.y, point.z)
+    }
+
+    fn support_point(&self, _identity: &math::Pose, direction: math::Vector) -> math::Vector {
+        self.local_support_point(direction)
+    }
+
+    fn support_point_toward(&self, _identity: &math::Pose, direction: math::Vector) -> math::Vector {
+        self.local_support_point(direction)
+    }
+}

@@ -1,0 +1,149 @@
+//! A plan cut into stretches on which every joint is one polynomial and the phase is one.
+
+use graspcheck_model::plan::Plan;
+use graspcheck_motion::{Polynomial, Trajectory};
+
+/// Cuts nearer than this to the one before, s, are the same instant: a joint at 10 rad/s turns 1e-11 rad in
+/// it, which is far below the slack of the gaps.
+const SAME_INSTANT: f64 = 1e-12;
+
+/// A speed times the stretch's duration below this, rad or m, counts as standing still when the sign of the
+/// speed is found: a hundredth of what the slack of the gaps covers on an arm that reaches 8 m.
+const STANDING_STILL: f64 = 1e-12;
+
+/// A stretch of a plan.
+#[derive(Clone, Debug)]
+pub(crate) struct Stretch<'p> {
+    pub(crate) start: f64,
+    pub(crate) end: f64,
+    /// Index into the plan's phases.
+    pub(crate) phase: usize,
+    arm: Coordinates<'p>,
+    opening: Coordinates<'p>,
+}
+
+/// The polynomials of some joints, and where their local time begins.
+#[derive(Clone, Debug)]
+struct Coordinates<'p> {
+    polynomials: &'p [Polynomial],
+    zero: f64,
+    /// Bit j: joint j does not turn back on this stretch.
+    monotone: u64,
+}
+
+/// The position of a joint at a reference time, and how far it goes below and above that on an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Range {
+    pub(crate) reference: f64,
+    pub(crate) below: f64,
+    pub(crate) above: f64,
+}
+
+impl<'p> Coordinates<'p> {
+    fn new(trajectory: &'p Trajectory, start: f64, end: f64) -> Self {
+        let piece = trajectory.piece_at(0.5 * (start + end));
+        let zero = trajectory.knots()[piece];
+        let polynomials = trajectory.piece_of_all(piece);
+        let monotone = polynomials.iter().take(64).enumerate().fold(0, |bits, (joint, polynomial)| {
+            let [slowest, fastest] = polynomial.range(1, start - zero, end - zero);
+            let still = STANDING_STILL / (end - start);
+            let turns_back = !(slowest.value >= -still || fastest.value <= still);
+            bits | u64::from(!turns_back) << joint
+        });
+        Self { polynomials, zero, monotone }
+    }
+
+    /// Position at the middle of `[start, end]` and range there, exact to rounding.
+    fn range(&self, joint: usize, start: f64, end: f64) -> Range {
+        let polynomial = &self.polynomials[joint];
+        let (a, b) = (start - self.zero, end - self.zero);
+        let reference = value(polynomial, middle(start, end) - self.zero);
+        let [low, high] = if joint < 64 && self.monotone >> joint & 1 == 1 {
+            let (from, to) = (value(polynomial, a), value(polynomial, b));
+            [from.min(to), from.max(to)]
+        } else {
+            polynomial.range(0, a, b).map(|extremum| extremum.value)
+        };
+        Range { reference, below: (reference - low).max(0.0), above: (high - reference).max(0.0) }
+    }
+}
+
+impl Stretch<'_> {
+    /// Position of an arm joint at the middle of `[start, end]`, and its range there.
+    pub(crate) fn arm(&self, joint: usize, start: f64, end: f64) -> Range {
+        self.arm.range(joint, start, end)
+    }
+
+    /// The commanded opening likewise.
+    pub(crate) fn opening(&self, start: f64, end: f64) -> Range {
+        self.opening.range(0, start, end)
+    }
+}
+
+/// The reference time of an interval, s.
+pub(crate) fn middle(start: f64, end: f64) -> f64 {
+    0.5 * (start + end)
+}
+
+fn value(polynomial: &Polynomial, tau: f64) -> f64 {
+    polynomial.coefficients().iter().rev().fold(0.0, |sum, c| sum * tau + c)
+}
+
+/// The stretches of a plan, one after the other from 0 to its duration.
+///
+/// # Errors
+/// Says in words what is wrong with the plan.
+pub(crate) fn stretches(plan: &Plan, dof: usize) -> Result<Vec<Stretch<'_>>, String> {
+    check(plan, dof)?;
+    let mut cuts: Vec<f64> = Vec::with_capacity(
+        plan.trajectory.knots().len() + plan.opening.knots().len() + plan.phases.len(),
+    );
+    cuts.extend_from_slice(plan.trajectory.knots());
+    cuts.extend_from_slice(plan.opening.knots());
+    cuts.extend(plan.phases.iter().map(|phase| phase.end));
+    cuts.sort_by(f64::total_cmp);
+    let duration = plan.duration();
+    cuts.retain(|&cut| cut <= duration);
+    cuts.dedup_by(|later, earlier| *later - *earlier <= SAME_INSTANT);
+    // The last cut may have fallen to one just before it.
+    if let Some(last) = cuts.last_mut() {
+        *last = duration;
+    }
+    let stretch = |pair: &[f64]| {
+        let (start, end) = (pair[0], pair[1]);
+        let phase = plan.phases.partition_point(|phase| phase.start <= middle(start, end)).max(1) - 1;
+        let arm = Coordinates::new(&plan.trajectory, start, end);
+        let opening = Coordinates::new(&plan.opening, start, end);
+        Stretch { start, end, phase, arm, opening }
+    };
+    Ok(cuts.windows(2).map(stretch).collect())
+}
+
+fn check(plan: &Plan, dof: usize) -> Result<(), String> {
+    /// Times that a planner adds up differ by rounding only, s.
+    const GAPLESS: f64 = 1e-9;
+
+    let duration = plan.duration();
+    if plan.trajectory.dof() != dof {
+        return Err(format!("plan: {} joints move, the robot has {dof}", plan.trajectory.dof()));
+    }
+    if plan.opening.dof() != 1 {
+        return Err(format!("plan: the opening has {} coordinates, not 1", plan.opening.dof()));
+    }
+    if (plan.opening.duration() - duration).abs() > GAPLESS {
+        let opening = plan.opening.duration();
+        return Err(format!("plan: the opening lasts {opening} s, the arm moves for {duration} s"));
+    }
+    let mut time = 0.0;
+    for phase in &plan.phases {
+        if !((phase.start - time).abs() <= GAPLESS && phase.end >= phase.start) {
+            let (name, start) = (&phase.name, phase.start);
+            return Err(format!("phase {name}: starts at {start} s, but the one before ends at {time} s"));
+        }
+        time = phase.end;
+    }
+    if plan.phases.is_empty() || (time - duration).abs() > GAPLESS {
+        return Err(format!("plan: the phases end at {time} s, the arm moves for {duration} s"));
+    }
+    Ok(())
+}
