@@ -14,6 +14,7 @@
 //! Reading order: [`shape`], [`inertia`], [`robot`], [`cell`], [`object`], [`task`], [`plan`],
 //! [`execution`], [`settings`].
 
+pub mod assemble;
 pub mod cell;
 pub mod convex_hull;
 pub mod dynamics;
@@ -30,6 +31,7 @@ pub mod settings;
 pub mod shape;
 pub mod structure;
 pub mod task;
+pub mod urdf;
 
 /// A rigid transform; the name of a variable says between which frames.
 pub type Pose = nalgebra::Isometry3<f64>;

@@ -127,9 +127,7 @@ impl Shape {
     pub fn support(&self, direction: &Vector3<f64>) -> Point3<f64> {
         let end = |half_length: f64| Vector3::new(0.0, 0.0, half_length.copysign(direction.z));
         match self {
-            Self::Box { half_extents } => {
-                Point3::from(half_extents.zip_map(direction, |half, toward| half.copysign(toward)))
-            }
+            Self::Box { half_extents } => Point3::from(half_extents.zip_map(direction, f64::copysign)),
             Self::Sphere { radius } => {
                 Point3::from(direction.try_normalize(0.0).unwrap_or_else(Vector3::zeros) * *radius)
             }
@@ -176,10 +174,12 @@ mod tests {
         Inertial { mass, center: Point3::origin(), tensor: Matrix3::identity() * second.trace() - second }
     }
 
+    type Inside = Box<dyn Fn(&Point3<f64>) -> bool>;
+
     #[test]
     fn closed_forms_agree_with_sums_over_small_cubes() {
         let (r, h) = (0.3, 0.49);
-        let cases: [(Shape, Box<dyn Fn(&Point3<f64>) -> bool>); 4] = [
+        let cases: [(Shape, Inside); 4] = [
             (
                 Shape::Box { half_extents: Vector3::new(0.21, 0.42, 0.7) },
                 Box::new(|p| p.x.abs() < 0.21 && p.y.abs() < 0.42 && p.z.abs() < 0.7),

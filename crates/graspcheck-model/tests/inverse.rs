@@ -25,7 +25,7 @@ fn within_limits(robot: &RobotModel, share: &[f64]) -> Vec<f64> {
 /// Every solution reaches the pose, is marked legal exactly when it is, and one of them is `q`.
 fn check_solutions(robot: &RobotModel, q: &[f64]) -> Result<(), TestCaseError> {
     let world_from_tool = robot.world_from_tool(q);
-    let solutions = robot.inverse(&world_from_tool).unwrap();
+    let solutions = robot.inverse(&world_from_tool).expect("within reach");
     let size = robot.forward(q).iter().map(|pose| pose.translation.vector.norm()).fold(1.0, f64::max);
     for solution in &solutions {
         let (distance, angle) = difference(&robot.world_from_tool(&solution.q), &world_from_tool);
@@ -137,7 +137,8 @@ fn an_arm_without_closed_form_says_why() {
 fn planar(x: f64, y: f64, theta_deg: f64) -> Vec<(Elbow, [f64; 3], bool)> {
     let robot = arms::rrr();
     let wrist = PlanarWrist { position: Point2::new(x, y), theta: theta_deg.to_radians() };
-    let solutions = robot.inverse(&robot.world_from_tool_at(&wrist).unwrap()).unwrap();
+    let solutions =
+        robot.inverse(&robot.world_from_tool_at(&wrist).expect("a planar arm")).expect("within reach");
     solutions
         .iter()
         .map(|s| (s.elbow, [0, 1, 2].map(|joint| s.q[joint].to_degrees()), s.is_legal()))
@@ -184,7 +185,7 @@ fn a_joint_at_half_a_turn_has_both_ends_of_its_range() {
 fn legal_wrist_turns(wrist_deg: f64) -> Vec<f64> {
     let robot = arms::scara();
     let q = [0.2, 0.7, -0.1, wrist_deg.to_radians()];
-    let solutions = robot.inverse(&robot.world_from_tool(&q)).unwrap();
+    let solutions = robot.inverse(&robot.world_from_tool(&q)).expect("within reach");
     let left = solutions.iter().filter(|s| s.elbow == Elbow::Left && s.is_legal());
     left.map(|s| s.q[3].to_degrees()).collect()
 }
