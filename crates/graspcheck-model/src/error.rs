@@ -13,19 +13,21 @@ pub enum ModelError {
     #[error("a number is not finite")]
     NotFinite,
     /// The inertia tensor differs from its transpose.
-    #[error("inertia tensor: entries across the diagonal differ by {difference} kg·m²")]
+    #[error("inertia tensor: entries across the diagonal differ by {difference:.3e} kg·m²")]
     TensorNotSymmetric {
         /// The largest difference, kg·m².
         difference: f64,
     },
     /// A principal moment is zero or negative.
-    #[error("inertia tensor: principal moment {moment} kg·m² must be positive")]
+    #[error("inertia tensor: principal moment {moment:.3e} kg·m² must be positive")]
     TensorNotPositive {
         /// The least principal moment, kg·m².
         moment: f64,
     },
     /// A principal moment exceeds the sum of the others, which no distribution of mass can give.
-    #[error("inertia tensor: principal moment {largest} kg·m² exceeds the sum {sum} kg·m² of the two others")]
+    #[error(
+        "inertia tensor: principal moment {largest:.3e} kg·m² exceeds the sum {sum:.3e} kg·m² of the two others"
+    )]
     TensorTriangle {
         /// The largest principal moment, kg·m².
         largest: f64,
@@ -41,7 +43,7 @@ pub enum ModelError {
         value: f64,
     },
     /// The points span no solid.
-    #[error("{count} points span no solid: they lie within {thickness} m of a plane, a line or a point")]
+    #[error("{count} points span no solid: they lie within {thickness:.3e} m of a plane, a line or a point")]
     FlatHull {
         /// How many points there are.
         count: usize,

@@ -96,6 +96,7 @@ impl UrdfDocument {
 /// All faults of the text, in the order in which they stand in it.
 pub fn parse(text: &str) -> Result<UrdfDocument, Vec<UrdfFault>> {
     let xml = roxmltree::Document::parse(text).map_err(|error| vec![malformed(text, &error)])?;
+    walk::check_root(text, xml.root_element()).map_err(|fault| vec![fault])?;
     let mut faults = Vec::new();
     walk::check_form(text, xml.root_element(), &mut faults);
     values::check_values(text, xml.root_element(), &mut faults);

@@ -9,18 +9,23 @@ use super::{
     schema::{Attribute, Count, Element, ROBOT, Sign, Value},
 };
 
+/// Nothing, when the document is a robot.
+pub(super) fn check_root(text: &str, root: Node<'_, '_>) -> Result<(), UrdfFault> {
+    let name = root.tag_name().name();
+    if name == ROBOT.name {
+        return Ok(());
+    }
+    Err(UrdfFault {
+        span: name_span(text, root),
+        title: format!("the document is <{name}>, not <robot>"),
+        label: "must be `robot`".to_owned(),
+        help: None,
+    })
+}
+
 /// Adds the faults of form of the whole document.
 pub(super) fn check_form(text: &str, root: Node<'_, '_>, faults: &mut Vec<UrdfFault>) {
-    if root.tag_name().name() == ROBOT.name {
-        check_element(text, root, &ROBOT, faults);
-    } else {
-        faults.push(UrdfFault {
-            span: name_span(text, root),
-            title: format!("the document is <{}>, not <robot>", root.tag_name().name()),
-            label: "must be `robot`".to_owned(),
-            help: None,
-        });
-    }
+    check_element(text, root, &ROBOT, faults);
 }
 
 fn check_element(text: &str, node: Node<'_, '_>, rule: &'static Element, faults: &mut Vec<UrdfFault>) {
