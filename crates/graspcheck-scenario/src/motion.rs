@@ -1,0 +1,101 @@
+//! How fast the arm moves and how hard the gripper holds: `[motion]` and `[phase.NAME]`.
+
+use graspcheck_model::task::{Pace, PhasePace};
+
+use crate::{
+    fault::{Fault, Place},
+    quantity::Quantity,
+    section::{Bound, Section},
+};
+
+/// Share of the velocity, acceleration and jerk limits when the scenario does not say.
+pub const SHARE_DEFAULT: f64 = 0.9;
+
+/// How long the fingers are given to close or to open when the scenario does not say, s.
+pub const GRIP_DURATION_DEFAULT: f64 = 0.3;
+
+/// The grip in the phases `close` and `open`.
+pub(crate) struct GripPace {
+    /// Force of each finger, N.
+    pub(crate) force: f64,
+    /// Where it stands.
+    pub(crate) force_at: Place,
+    /// How long the fingers are given to close, s.
+    pub(crate) close: f64,
+    /// How long the fingers are given to open, s.
+    pub(crate) open: f64,
+}
+
+/// `[phase.NAME]` of a phase in which the arm moves, with the place of its name.
+pub(crate) struct PlacedPace<'a> {
+    pub(crate) pace: PhasePace,
+    pub(crate) at: &'a Place,
+}
+
+/// All of `[phase]`.
+pub(crate) struct Phases<'a> {
+    pub(crate) arm: Vec<PlacedPace<'a>>,
+    /// The grip; none when the scenario gives no force.
+    pub(crate) grip: Option<GripPace>,
+    /// Which of `[phase.close]` and `[phase.open]` stand there, and where.
+    pub(crate) grip_at: Vec<(&'a str, &'a Place)>,
+}
+
+/// Reads `[motion]`: the share of the limits.
+pub(crate) fn share(scenario: &Section<'_>) -> Option<f64> {
+    let Some(motion) = scenario.section("motion", "a motion") else { return Some(SHARE_DEFAULT) };
+    let share = motion.measure_or("speed", Quantity::Share, Bound::UpToOne, SHARE_DEFAULT);
+    motion.finish();
+    share
+}
+
+/// Reads `[phase.NAME]`.
+pub(crate) fn phases<'a>(scenario: &Section<'a>) -> Option<Phases<'a>> {
+    let mut arm = Vec::new();
+    let mut complete = true;
+    let (mut force, mut grip_at) = (None, Vec::new());
+    let (mut close, mut open) = (GRIP_DURATION_DEFAULT, GRIP_DURATION_DEFAULT);
+    if let Some(section) = scenario.section("phase", "the phases") {
+        for (name, at, phase) in section.named_sections("a phase") {
+            let duration = phase.measure("duration", Quantity::Time, Bound::Positive);
+            complete &= duration.is_some() || !phase.mentions("duration");
+            match name {
+                "close" | "open" => {
+                    grip_at.push((name, at));
+                    if let Some(duration) = duration {
+                        *(if name == "close" { &mut close } else { &mut open }) = duration;
+                    }
+                    if name == "close"
+                        && let Some((value, place)) =
+                            phase.measure_at("force", Quantity::Force, Bound::Positive)
+                    {
+                        force = Some((value, place.clone()));
+                    }
+                }
+                _ => {
+                    let share = phase.measure("speed", Quantity::Share, Bound::UpToOne);
+                    complete &= share.is_some() || !phase.mentions("speed");
+                    both(&phase, at);
+                    arm.push(PlacedPace { pace: PhasePace { phase: name.to_owned(), share, duration }, at });
+                }
+            }
+            phase.finish();
+        }
+        section.finish();
+    }
+    let grip = force.map(|(force, force_at)| GripPace { force, force_at, close, open });
+    complete.then_some(Phases { arm, grip, grip_at })
+}
+
+/// A phase has a share or a duration, not both: each fixes the other.
+fn both(phase: &Section<'_>, at: &Place) {
+    if phase.mentions("speed") && phase.mentions("duration") {
+        let title = "a phase has a speed or a duration, not both";
+        phase.faults().report(Fault::new("two-units", at, title, "remove one of them"));
+    }
+}
+
+/// The pace of a task.
+pub(crate) fn pace(share: f64, phases: &Phases<'_>) -> Pace {
+    Pace { share, phases: phases.arm.iter().map(|phase| phase.pace.clone()).collect() }
+}
