@@ -1,1 +1,41 @@
 //! Paths, time scalings, via points and the grasp planner.
+//!
+//! A *path* is geometry, a *time scaling* is a law of time along it, a *trajectory* is both: this crate
+//! makes the third from the first two. [`plan`] turns a task into the motion that is executed and checked.
+//!
+//! What follows a straight line of the tool is planned for the tool ([`cartesian`]) and turned into joint
+//! polynomials through the inverse kinematics ([`branch`], [`interpolation`]); everything else is planned
+//! in the joints, exactly ([`joint_move`]). Units are SI and radians, frames as in [`graspcheck_model`].
+//!
+//! Symbols used as names: `q qd qdd qddd` are position, velocity, acceleration and jerk of the joints,
+//! `s sd sdd sddd` the path parameter and its derivatives in time, `q_s` a derivative by s.
+//!
+//! Reading order: [`time_scaling`], [`joint_move`], [`lfpb`], [`branch`], [`interpolation`], [`cartesian`],
+//! [`retime`], [`pick_and_place`], [`candidate`], [`error`].
+
+mod arm;
+pub mod branch;
+pub mod candidate;
+pub mod cartesian;
+mod cartesian_via;
+mod differential;
+pub mod error;
+mod input;
+pub mod interpolation;
+pub mod joint_move;
+mod joint_segments;
+pub mod lfpb;
+pub mod opening;
+pub mod pace;
+pub mod pick_and_place;
+mod planned;
+pub mod retime;
+mod sequence;
+mod stop;
+pub mod time_scaling;
+
+pub use candidate::{Candidate, CandidateOutcome};
+pub use cartesian::line;
+pub use error::{NothingReachable, PlanError};
+pub use joint_move::joint_move;
+pub use planned::{Planned, find, plan};
