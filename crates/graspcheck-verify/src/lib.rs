@@ -1,13 +1,46 @@
 //! Checks that read a recording and judge it.
 //!
 //! [`Resolved`] is what a run was asked to be, carried by the recording as `resolved.json`; together with
-//! `plan.json` and the streams it becomes the evidence that checks read. A check is a pure function of the
-//! evidence: no clock, no file, no live object. A failing verdict is a result, not an error.
+//! `plan.json`, `certificate.json` and the streams it becomes the [`Evidence`] that checks read. A check is
+//! a pure function of the evidence: no clock, no file, no live object. So a log gives the same verdict
+//! wherever and whenever it is judged. A failing verdict is a result, not an error.
 //!
-//! Reading order: [`resolved`], [`verdict`].
+//! There are three outcomes. What cannot be decided, or was promised and is not there, is *inconclusive*
+//! and never counts as a pass. What the run was not asked for is *not requested* and does not count.
+//!
+//! | check | holds when |
+//! |---|---|
+//! | `planned.position`, `.velocity`, `.acceleration`, `.jerk` | every joint is within its limit at every instant, by exact extrema |
+//! | `planned.continuity` | no joint jumps; acceleration steps only in motions with parabolic blends, by at most twice its limit |
+//! | `planned.clearance` | every pair of bodies keeps the distance it must, proved again here for every instant |
+//! | `planned.certificate` | the proof that travelled with the log is the proof that is found here |
+//! | `planned.via` | the wrist passes near each via point at its time |
+//! | `planned.utilisation` | the plan uses the share of velocity and acceleration that the scenario claims |
+//! | `executed.position`, `.velocity` | the measured joints are within their limits |
+//! | `executed.torque`, `.saturation` | the controller asks for no more effort than there is |
+//! | `executed.tracking` | the tool is where the plan has it, at equal times |
+//! | `executed.contacts` | nothing touches that may not, and nothing deeper than it may |
+//! | `executed.grip` | the fingers press before the lift begins |
+//! | `executed.slip` | the object stays in the gripper from lift to release |
+//! | `executed.place`, `.place_angle`, `.rest` | the object ends where it belongs, at rest |
+//! | `executed.utilisation` | the execution uses the share of torque that the scenario claims |
+//!
+//! Reading order: [`resolved`], [`evidence`], [`checks`], [`judge()`], [`verdict`].
 
+pub mod checks;
+pub mod evidence;
+mod finding;
+#[cfg(test)]
+mod fixture;
+mod judge;
 pub mod resolved;
+mod stream;
 pub mod verdict;
 
+pub use checks::{CHECKS, Check};
+pub use evidence::{
+    CERTIFICATE_JSON, Evidence, EvidenceError, PLAN_JSON, RESOLVED_JSON, VERDICT_JSON, attach,
+};
+pub use judge::{is_meant_by, judge};
 pub use resolved::{CheckLimits, Expectation, Resolved};
 pub use verdict::{Basis, CheckResult, Outcome, Place, Unit, Verdict};

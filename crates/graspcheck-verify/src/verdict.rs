@@ -1,7 +1,10 @@
 //! The outcome of checks: one finding structure, of which terminal, test output, log and viewers are
 //! renderings.
 
+use graspcheck_model::robot::JointKind;
 use serde::{Deserialize, Serialize};
+
+use crate::evidence::{EvidenceError, VERDICT_JSON, decode};
 
 /// Version of the form of the verdict's JSON.
 pub const VERDICT_SCHEMA: u32 = 1;
@@ -64,6 +67,34 @@ pub enum Unit {
     NewtonMeter,
 }
 
+impl Unit {
+    /// The unit of the `order`-th derivative of a joint's position: 0 position, 1 velocity,
+    /// 2 acceleration, 3 jerk.
+    ///
+    /// # Panics
+    /// When `order` is above 3.
+    #[must_use]
+    pub fn of_derivative(kind: JointKind, order: usize) -> Self {
+        const ANGULAR: [Unit; 4] =
+            [Unit::Radian, Unit::RadianPerSecond, Unit::RadianPerSecond2, Unit::RadianPerSecond3];
+        const LINEAR: [Unit; 4] =
+            [Unit::Meter, Unit::MeterPerSecond, Unit::MeterPerSecond2, Unit::MeterPerSecond3];
+        match kind {
+            JointKind::Revolute => ANGULAR[order],
+            JointKind::Prismatic => LINEAR[order],
+        }
+    }
+
+    /// The unit of a joint's effort: N·m or N.
+    #[must_use]
+    pub fn of_effort(kind: JointKind) -> Self {
+        match kind {
+            JointKind::Revolute => Self::NewtonMeter,
+            JointKind::Prismatic => Self::Newton,
+        }
+    }
+}
+
 /// Where something is worst.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Place {
@@ -120,4 +151,100 @@ pub struct Verdict {
     pub as_expected: bool,
     /// All checks, in a fixed order: planned ones, then executed ones.
     pub checks: Vec<CheckResult>,
+}
+
+impl CheckResult {
+    /// The room left as a share of the limit, which compares checks of different units: 0.1 is 10 %.
+    /// None without a margin, or when the limit is 0.
+    #[must_use]
+    pub fn margin_share(&self) -> Option<f64> {
+        let margin = self.margin?;
+        if self.margin_is_share {
+            return Some(margin);
+        }
+        self.limit.filter(|limit| *limit != 0.0).map(|limit| margin / limit.abs())
+    }
+}
+
+impl Verdict {
+    /// The verdict as a JSON document; equal verdicts give equal bytes.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("a tree of structs, strings and numbers has a JSON form")
+    }
+
+    /// The verdict that [`Verdict::to_json`] wrote.
+    ///
+    /// # Errors
+    /// When `text` is not such a document, or is of a form that is newer than this library.
+    pub fn from_json(text: &str) -> Result<Self, EvidenceError> {
+        decode(VERDICT_JSON, text.as_bytes(), VERDICT_SCHEMA)
+    }
+
+    /// The checks that fail, in the verdict's order.
+    pub fn failed(&self) -> impl Iterator<Item = &CheckResult> {
+        self.checks.iter().filter(|result| result.outcome == Outcome::Fail)
+    }
+
+    /// The passing check with the least room as a share of its limit ([`CheckResult::margin_share`]);
+    /// none when no passing check has a limit other than 0.
+    #[must_use]
+    pub fn tightest(&self) -> Option<&CheckResult> {
+        let room = |result: &CheckResult| result.margin_share().unwrap_or(f64::INFINITY);
+        self.checks
+            .iter()
+            .filter(|result| result.outcome == Outcome::Pass && result.margin_share().is_some())
+            .min_by(|a, b| room(a).total_cmp(&room(b)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+
+    #[test]
+    fn a_verdict_comes_back_from_its_json() {
+        let verdict = fixture::pick().judged();
+        assert_eq!(Verdict::from_json(&verdict.to_json()).unwrap(), verdict);
+        assert_eq!(verdict.to_json(), verdict.to_json());
+    }
+
+    #[test]
+    fn what_is_no_verdict_is_an_error() {
+        assert!(matches!(
+            Verdict::from_json("{}"),
+            Err(EvidenceError::Undecodable { name: VERDICT_JSON, .. })
+        ));
+        let future = fixture::pick().judged().to_json().replacen("\"schema\": 1", "\"schema\": 2", 1);
+        assert!(matches!(Verdict::from_json(&future), Err(EvidenceError::FromTheFuture { found: 2, .. })));
+    }
+
+    #[test]
+    fn the_tightest_check_has_the_least_room_for_its_limit() {
+        let mut run = fixture::pick();
+        run.resolved.robot.joints[1].limits.jerk = 30.5;
+        let verdict = run.judged();
+        let tightest = verdict.tightest().unwrap();
+        assert_eq!(tightest.check, "planned.jerk");
+        assert!((tightest.margin_share().unwrap() - 0.5 / 30.5).abs() < 1e-9);
+        assert_eq!(verdict.failed().count(), 0);
+    }
+
+    #[test]
+    fn a_length_is_compared_as_a_share_of_its_limit() {
+        let verdict = fixture::pick().judged();
+        let place = verdict.checks.iter().find(|result| result.check == "executed.place").unwrap();
+        assert!((place.margin_share().unwrap() - 1.0).abs() < 1e-9, "{place:?}");
+        let saturation = verdict.checks.iter().find(|result| result.check == "executed.saturation").unwrap();
+        assert_eq!((saturation.margin, saturation.margin_share()), (Some(0.0), None));
+    }
+
+    #[test]
+    fn units_follow_the_kind_of_a_joint() {
+        assert_eq!(Unit::of_derivative(JointKind::Revolute, 3), Unit::RadianPerSecond3);
+        assert_eq!(Unit::of_derivative(JointKind::Prismatic, 0), Unit::Meter);
+        assert_eq!(Unit::of_effort(JointKind::Prismatic), Unit::Newton);
+        assert_eq!(Unit::of_effort(JointKind::Revolute), Unit::NewtonMeter);
+    }
 }

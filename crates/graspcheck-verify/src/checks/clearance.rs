@@ -1,0 +1,301 @@
+//! `planned.clearance`, `planned.certificate`: every pair of bodies keeps the distance it must at every
+//! instant of the plan. Nothing is taken on trust: the proof is made again from the recorded plan, robot
+//! and cell, and the one that travelled with the recording must be the same.
+
+use graspcheck_proof::{
+    Leaf, PairCertificate, PairVerdict, ProofOutcome, certificate::CERTIFICATE_SCHEMA,
+    minimum::MARGIN_TOLERANCE,
+};
+
+use crate::{
+    evidence::Evidence,
+    finding::{Finding, Gap, worst_by},
+    verdict::Unit,
+};
+
+/// How far two proofs of the same plan may differ in a distance (m), a time (s) or a direction: sines and
+/// cosines of another system's mathematics differ by 1e-16, which a chain of joints makes 1e-14.
+const SAME_PROOF: f64 = 1e-9;
+
+/// The pair with the least margin between its distance and the distance it must keep. When the plan is
+/// free the value is a proved lower bound of the distance; when it is not, the distance at an instant.
+pub(super) fn clearance(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
+    let proof = evidence.proof()?;
+    match proof.certificate.outcome() {
+        ProofOutcome::Free => free(evidence),
+        ProofOutcome::Violated => violated(evidence),
+        ProofOutcome::Unknown | ProofOutcome::NotChecked => Err(undecided(&proof.certificate.pairs)),
+    }
+}
+
+fn free(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
+    let proof = evidence.proof()?;
+    let Some(bounds) = proof.scene.minimum_margin(&evidence.plan, MARGIN_TOLERANCE) else {
+        return Err(Gap::inconclusive(None, "there is no pair of bodies that must keep apart"));
+    };
+    // The search for the least margin stops at a tolerance; the proof knows that it is not negative.
+    let proved = proof.certificate.pairs.iter().filter_map(|pair| match pair.verdict {
+        PairVerdict::Free { margin } => Some(margin),
+        _ => None,
+    });
+    let margin = bounds.lower.max(proved.fold(f64::INFINITY, f64::min));
+    let mut finding = Finding::at_least(margin + bounds.required, bounds.required, Unit::Meter)
+        .at(bounds.time)
+        .of([bounds.a, bounds.b])
+        .during(bounds.phase)
+        .noted(format!(
+            "{} pairs of solids at every instant, {} steps of proof",
+            proof.certificate.pairs.len(),
+            proof.certificate.leaf_count()
+        ));
+    finding.value_is_bound = true;
+    Ok(finding)
+}
+
+fn violated(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
+    let proof = evidence.proof()?;
+    let found = proof.certificate.violations().map(|(pair, at)| {
+        let finding = Finding::at_least(at.distance, at.required, Unit::Meter).at(at.time);
+        (finding.of([pair.a.as_str(), pair.b.as_str()]).during(at.phase.as_str()), at.points)
+    });
+    // The proof stops at any instant of a violation; the search for the least margin finds the worst.
+    let searched = proof.scene.minimum_margin(&evidence.plan, MARGIN_TOLERANCE).map(|bounds| {
+        let distance = bounds.upper + bounds.required;
+        let finding = Finding::at_least(distance, bounds.required, Unit::Meter).at(bounds.time);
+        (finding.of([bounds.a, bounds.b]).during(bounds.phase), bounds.points)
+    });
+    let (mut worst, [a, b]) = worst_by(found.chain(searched), |(finding, _)| -finding.margin)
+        .ok_or_else(|| Gap::inconclusive(None, "a violation without a pair"))?;
+    // Proved by a witness: no rounding of a limit makes it pass.
+    worst.passes = false;
+    let [a, b] = [a, b].map(|[x, y, z]| format!("({x:.4}, {y:.4}, {z:.4}) m"));
+    let count = proof.certificate.violations().count();
+    Ok(worst.noted(format!("at {a} and {b}; {count} pairs of solids are nearer than they must be")))
+}
+
+fn undecided(pairs: &[PairCertificate]) -> Gap {
+    let not_checked = pairs.iter().find_map(|pair| match &pair.verdict {
+        PairVerdict::NotChecked { reason } => Some((pair, reason)),
+        _ => None,
+    });
+    if let Some((pair, reason)) = not_checked {
+        return Gap::inconclusive(None, format!("{} - {} was not checked: {reason}", pair.a, pair.b));
+    }
+    let doubt = pairs.iter().find_map(|pair| match &pair.verdict {
+        PairVerdict::Unknown(doubt) => Some((pair, doubt)),
+        _ => None,
+    });
+    let Some((pair, doubt)) = doubt else {
+        return Gap::inconclusive(None, "there is no pair of bodies to look at");
+    };
+    let [low, high] = doubt.distance;
+    let note = format!(
+        "{} - {}: the distance of {low} m to {high} m is too near to the required {} m to tell",
+        pair.a, pair.b, doubt.required
+    );
+    Gap::inconclusive(Some(doubt.interval[0]), note)
+}
+
+/// The number of pairs for which the recording's proof is not the one that is found here.
+pub(super) fn certificate(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
+    let stored = &evidence.certificate;
+    if stored.schema < CERTIFICATE_SCHEMA {
+        let note =
+            format!("the recording's proof has the older form {}, which is not compared", stored.schema);
+        return Err(Gap::inconclusive(None, note));
+    }
+    let found = &evidence.proof()?.certificate;
+    let pair_count = found.pairs.len().max(stored.pairs.len());
+    if pair_count == 0 {
+        return Err(Gap::inconclusive(None, "there is no pair of bodies to look at"));
+    }
+    let mut different: Vec<usize> = (0..pair_count)
+        .filter(|&index| match (stored.pairs.get(index), found.pairs.get(index)) {
+            (Some(stored), Some(found)) => !same_pair(stored, found),
+            _ => true,
+        })
+        .collect();
+    if different.is_empty() && !same(stored.duration, found.duration) {
+        different = (0..pair_count).collect();
+    }
+    let finding = Finding::at_most(different.len() as f64, 0.0, Unit::One);
+    let Some(&first) = different.first() else {
+        return Ok(finding.noted(format!("the proofs of {pair_count} pairs are the same")));
+    };
+    let pair =
+        found.pairs.get(first).or(stored.pairs.get(first)).expect("the index is below the larger length");
+    let note = "the recording's proof is not the one that its plan, robot and cell give; \
+                was the recording changed?";
+    Ok(finding.of([pair.a.as_str(), pair.b.as_str()]).noted(note))
+}
+
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME_PROOF
+}
+
+fn same_pair(stored: &PairCertificate, found: &PairCertificate) -> bool {
+    (&stored.a, stored.part_a, &stored.b, stored.part_b) == (&found.a, found.part_a, &found.b, found.part_b)
+        && same_verdict(&stored.verdict, &found.verdict)
+        && stored.leaves.len() == found.leaves.len()
+        && stored.leaves.iter().zip(&found.leaves).all(|(stored, found)| same_leaf(stored, found))
+}
+
+fn same_verdict(stored: &PairVerdict, found: &PairVerdict) -> bool {
+    match (stored, found) {
+        (PairVerdict::Free { margin: stored }, PairVerdict::Free { margin: found }) => same(*stored, *found),
+        (PairVerdict::Violated(stored), PairVerdict::Violated(found)) => {
+            stored.phase == found.phase
+                && same(stored.time, found.time)
+                && same(stored.distance, found.distance)
+                && same(stored.required, found.required)
+        }
+        (PairVerdict::Unknown(stored), PairVerdict::Unknown(found)) => {
+            stored.phase == found.phase
+                && same(stored.required, found.required)
+                && (0..2).all(|end| same(stored.interval[end], found.interval[end]))
+        }
+        (PairVerdict::NotChecked { reason: stored }, PairVerdict::NotChecked { reason: found }) => {
+            stored == found
+        }
+        _ => false,
+    }
+}
+
+fn same_leaf(stored: &Leaf, found: &Leaf) -> bool {
+    let numbers = |leaf: &Leaf| {
+        let [x, y, z] = leaf.normal;
+        [leaf.start, leaf.end, x, y, z, leaf.gap, leaf.loss, leaf.required]
+    };
+    numbers(stored).into_iter().zip(numbers(found)).all(|(stored, found)| same(stored, found))
+}
+
+#[cfg(test)]
+mod tests {
+    use graspcheck_model::cell::{CellBody, PairRule};
+    use graspcheck_model::{Pose, shape::Shape};
+    use graspcheck_proof::{Certificate, PairVerdict};
+    use nalgebra::Vector3;
+
+    use crate::{
+        Basis, Outcome, Unit,
+        fixture::{self, Run},
+    };
+
+    /// The pick with a post of 2 cm by 2 cm up to a height, `x` away from the middle.
+    fn with_post(x: f64, height: f64) -> Run {
+        let mut run = fixture::pick();
+        run.resolved.cell.bodies.push(CellBody {
+            name: "post".into(),
+            shape: Shape::Box { half_extents: Vector3::new(0.01, 0.01, 0.5 * height) },
+            world_from_shape: Pose::translation(x, 0.0, 0.5 * height),
+        });
+        run
+    }
+
+    #[test]
+    fn a_free_plan_passes_with_a_proved_bound_near_the_true_distance() {
+        let result = fixture::pick().check("planned.clearance");
+        assert_eq!(
+            (result.outcome, result.basis, result.unit),
+            (Outcome::Pass, Basis::Proved, Unit::Meter),
+            "{result:?}"
+        );
+        // The fingers end 1 cm below the tool, which goes down to 2 cm above the table; 5 mm are required.
+        let value = result.value.unwrap();
+        assert!(result.value_is_bound && value <= 0.01 && value > 0.01 - 2e-5, "{result:?}");
+        assert_eq!(result.limit, Some(0.005));
+        assert!((result.margin.unwrap() - (value - 0.005)).abs() < 1e-12);
+        assert!(result.place.subjects.contains(&"table".to_owned()), "{result:?}");
+    }
+
+    #[test]
+    fn the_requirement_of_a_pair_decides() {
+        let mut run = fixture::pick();
+        run.resolved.cell.clearance.pairs.push(PairRule {
+            a: "left_finger".into(),
+            b: "table".into(),
+            required: 0.012,
+            reason: "for the test".into(),
+        });
+        let result = run.check("planned.clearance");
+        assert_eq!((result.outcome, result.limit), (Outcome::Fail, Some(0.012)), "{result:?}");
+        assert!((result.value.unwrap() - 0.01).abs() < 2e-5 && result.margin.unwrap() < 0.0);
+    }
+
+    #[test]
+    fn a_collision_fails_with_pair_phase_and_a_negative_margin() {
+        // The palm is at least 8 cm above the tool; its half length along x is 4 cm.
+        let result = with_post(0.035, 0.13).check("planned.clearance");
+        assert_eq!(result.outcome, Outcome::Fail);
+        assert!(result.place.subjects.contains(&"post".to_owned()), "{result:?}");
+        assert!(result.time.is_some() && result.place.phase.is_some());
+        assert!(result.margin.unwrap() < 0.0 && !result.value_is_bound);
+        assert_eq!(with_post(0.2, 0.13).check("planned.clearance").outcome, Outcome::Pass);
+    }
+
+    #[test]
+    fn an_arm_without_anything_to_hit_is_undecided() {
+        let mut run = fixture::blends();
+        run.resolved.cell.bodies.clear();
+        for link in &mut run.resolved.robot.links {
+            link.shapes.clear();
+        }
+        for finger in &mut run.resolved.robot.gripper.fingers {
+            finger.link.shapes.clear();
+        }
+        assert_eq!(run.check("planned.clearance").outcome, Outcome::Inconclusive);
+        assert_eq!(run.check("planned.certificate").outcome, Outcome::Inconclusive);
+    }
+
+    #[test]
+    fn bodies_that_make_no_scene_are_undecided() {
+        let mut run = with_post(0.2, 0.1);
+        run.certificate = Some(run.proved());
+        run.resolved.cell.bodies[1].name = "table".into();
+        assert_eq!(run.check("planned.clearance").outcome, Outcome::Inconclusive);
+        assert_eq!(run.check("executed.contacts").outcome, Outcome::Inconclusive);
+    }
+
+    #[test]
+    fn the_proof_that_travelled_must_be_the_one_that_is_found() {
+        let run = fixture::pick();
+        let result = run.check("planned.certificate");
+        assert_eq!((result.outcome, result.value), (Outcome::Pass, Some(0.0)), "{result:?}");
+
+        let changes: [fn(&mut Certificate); 5] = [
+            |certificate| {
+                let PairVerdict::Free { margin } = &mut certificate.pairs[0].verdict else { panic!("free") };
+                *margin += 1e-6;
+            },
+            |certificate| certificate.pairs[0].verdict = PairVerdict::NotChecked { reason: String::new() },
+            |certificate| drop(certificate.pairs.pop()),
+            |certificate| certificate.pairs[1].leaves[0].gap += 1e-6,
+            |certificate| certificate.duration += 0.1,
+        ];
+        for change in changes {
+            let mut run = fixture::pick();
+            let mut certificate = run.proved();
+            change(&mut certificate);
+            run.certificate = Some(certificate);
+            assert_eq!(run.check("planned.certificate").outcome, Outcome::Fail);
+            assert_eq!(run.check("planned.clearance").outcome, Outcome::Pass);
+        }
+    }
+
+    #[test]
+    fn a_plan_that_was_changed_after_its_proof_is_found() {
+        let mut run = fixture::pick();
+        run.certificate = Some(run.proved());
+        run.resolved.cell.bodies[0].world_from_shape = Pose::translation(0.0, 0.0, -0.051);
+        let result = run.check("planned.certificate");
+        assert_eq!(result.outcome, Outcome::Fail);
+        assert!(result.value.unwrap() >= 1.0 && !result.place.subjects.is_empty());
+    }
+
+    #[test]
+    fn a_proof_of_a_crash_travels_too() {
+        let run = with_post(0.035, 0.13);
+        assert!(!run.proved().is_free());
+        assert_eq!(run.check("planned.certificate").outcome, Outcome::Pass);
+    }
+}

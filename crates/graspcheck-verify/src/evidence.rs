@@ -1,0 +1,415 @@
+//! The evidence that checks read: the documents of a recording, decoded and found to fit together, beside
+//! its streams.
+
+use std::sync::OnceLock;
+
+use graspcheck_model::{
+    plan::{Phase, Plan},
+    robot::Joint,
+};
+use graspcheck_proof::{Certificate, Scene, SceneError, certificate::CERTIFICATE_SCHEMA};
+use graspcheck_recording::{Attachment, Recording};
+use serde::{Deserialize, de::DeserializeOwned};
+
+use crate::{
+    finding::Gap,
+    resolved::{RESOLVED_SCHEMA, Resolved},
+};
+
+/// Name of the attachment that holds [`Resolved`].
+pub const RESOLVED_JSON: &str = "resolved.json";
+/// Name of the attachment that holds the [`Plan`].
+pub const PLAN_JSON: &str = "plan.json";
+/// Name of the attachment that holds the [`Certificate`].
+pub const CERTIFICATE_JSON: &str = "certificate.json";
+/// Name under which a verdict travels.
+pub const VERDICT_JSON: &str = "verdict.json";
+
+/// Why a recording, or a verdict, cannot be read as evidence.
+#[derive(Debug, thiserror::Error)]
+pub enum EvidenceError {
+    /// A document is not in the recording.
+    #[error("{name}: the recording has no such attachment; it was not made by a run of graspcheck")]
+    Missing {
+        /// Its name.
+        name: &'static str,
+    },
+    /// A document cannot be decoded.
+    #[error("{name}: the document cannot be read: {source}")]
+    Undecodable {
+        /// Its name.
+        name: &'static str,
+        /// What is wrong, with line and column.
+        source: serde_json::Error,
+    },
+    /// A document has a form that is newer than this library.
+    #[error("{name}: schema {found} is newer than {known}, the newest known; use a newer graspcheck")]
+    FromTheFuture {
+        /// Its name.
+        name: &'static str,
+        /// Its schema number.
+        found: u32,
+        /// The newest that is known.
+        known: u32,
+    },
+    /// Two documents, or two parts of one, do not fit together.
+    #[error("{name}: {what} is {found}, but must be {expected}")]
+    Inconsistent {
+        /// The document with the fault.
+        name: &'static str,
+        /// What does not fit.
+        what: String,
+        /// What stands there.
+        found: String,
+        /// What would fit.
+        expected: String,
+    },
+    /// A stream has columns of different lengths.
+    #[error("stream {stream}: {column} has {found} values, but {rows} rows need {expected}")]
+    Ragged {
+        /// The stream.
+        stream: &'static str,
+        /// Its column.
+        column: &'static str,
+        /// How many values there are.
+        found: usize,
+        /// How many rows there are.
+        rows: usize,
+        /// How many values there must be.
+        expected: usize,
+    },
+}
+
+/// What checks read: a recording, with its documents decoded.
+///
+/// It is sound to index with: the plan has the robot's joints, phases follow each other over the whole
+/// plan, limits are positive, and every stream has full rows. That streams are *there*, finite and
+/// complete is for the checks that read them to judge.
+#[derive(Clone, Debug)]
+pub struct Evidence<'a> {
+    /// What the run was asked to be.
+    pub resolved: Resolved,
+    /// What was executed.
+    pub plan: Plan,
+    /// The proof that travelled with the plan.
+    pub certificate: Certificate,
+    /// The streams.
+    pub recording: &'a Recording,
+    /// The proof as it is found here, made when it is first asked for.
+    proof: OnceLock<Result<Proof, SceneError>>,
+}
+
+/// The proof of clearance that robot, cell, object and plan give.
+#[derive(Clone, Debug)]
+pub(crate) struct Proof {
+    pub(crate) scene: Scene,
+    pub(crate) certificate: Certificate,
+}
+
+impl<'a> Evidence<'a> {
+    /// The evidence in a recording.
+    ///
+    /// # Errors
+    /// When a document is missing, cannot be decoded, is of a newer form, or does not fit the others, or
+    /// when a stream has columns of different lengths.
+    pub fn from_recording(recording: &'a Recording) -> Result<Self, EvidenceError> {
+        let resolved: Resolved = decode(RESOLVED_JSON, document(recording, RESOLVED_JSON)?, RESOLVED_SCHEMA)?;
+        let plan: Plan = parse(PLAN_JSON, document(recording, PLAN_JSON)?)?;
+        let certificate: Certificate =
+            decode(CERTIFICATE_JSON, document(recording, CERTIFICATE_JSON)?, CERTIFICATE_SCHEMA)?;
+        robot_is_sound(&resolved)?;
+        plan_fits(&plan, &resolved)?;
+        streams_are_full(recording)?;
+        Ok(Self { resolved, plan, certificate, recording, proof: OnceLock::new() })
+    }
+
+    /// The proof that is found here; several checks read it, and it is made once.
+    pub(crate) fn proof(&self) -> Result<&Proof, Gap> {
+        let make = || {
+            let Resolved { robot, cell, object, .. } = &self.resolved;
+            let scene = Scene::new(robot, cell, object.as_ref())?;
+            let certificate = scene.certify(&self.plan);
+            Ok(Proof { scene, certificate })
+        };
+        let made: &Result<Proof, SceneError> = self.proof.get_or_init(make);
+        made.as_ref().map_err(|error| Gap::inconclusive(None, error.to_string()))
+    }
+
+    /// The joints of the arm, from base to tool.
+    #[must_use]
+    pub fn joints(&self) -> &[Joint] {
+        &self.resolved.robot.joints
+    }
+
+    /// The name of the phase at `t`, s; after the plan's end the last.
+    #[must_use]
+    pub fn phase_name(&self, t: f64) -> &str {
+        &self.plan.phase_at(t).name
+    }
+}
+
+/// Puts the documents that [`Evidence::from_recording`] reads into a recording; older ones are replaced.
+pub fn attach(recording: &mut Recording, resolved: &Resolved, plan: &Plan, certificate: &Certificate) {
+    recording.attachments.retain(|attachment| {
+        ![RESOLVED_JSON, PLAN_JSON, CERTIFICATE_JSON].contains(&attachment.name.as_str())
+    });
+    for (name, encoded) in [
+        (RESOLVED_JSON, serde_json::to_vec_pretty(resolved)),
+        (PLAN_JSON, serde_json::to_vec(plan)),
+        (CERTIFICATE_JSON, serde_json::to_vec(certificate)),
+    ] {
+        recording.attachments.push(Attachment {
+            name: name.to_owned(),
+            media_type: "application/json".to_owned(),
+            data: encoded.expect("a tree of structs, strings and numbers has a JSON form"),
+        });
+    }
+}
+
+fn document<'a>(recording: &'a Recording, name: &'static str) -> Result<&'a [u8], EvidenceError> {
+    recording
+        .attachment(name)
+        .map(|attachment| attachment.data.as_slice())
+        .ok_or(EvidenceError::Missing { name })
+}
+
+fn parse<T: DeserializeOwned>(name: &'static str, data: &[u8]) -> Result<T, EvidenceError> {
+    serde_json::from_slice(data).map_err(|source| EvidenceError::Undecodable { name, source })
+}
+
+/// The document in `data`, of a form no newer than `known`. The number is read first: a newer form need
+/// not decode at all, and the reason must not drown in a message about some field.
+pub(crate) fn decode<T: DeserializeOwned>(
+    name: &'static str,
+    data: &[u8],
+    known: u32,
+) -> Result<T, EvidenceError> {
+    #[derive(Deserialize)]
+    struct Head {
+        schema: u32,
+    }
+    let found = parse::<Head>(name, data)?.schema;
+    if found > known {
+        return Err(EvidenceError::FromTheFuture { name, found, known });
+    }
+    parse(name, data)
+}
+
+fn inconsistent(
+    name: &'static str,
+    what: impl Into<String>,
+    found: impl ToString,
+    expected: impl Into<String>,
+) -> EvidenceError {
+    EvidenceError::Inconsistent {
+        name,
+        what: what.into(),
+        found: found.to_string(),
+        expected: expected.into(),
+    }
+}
+
+fn robot_is_sound(resolved: &Resolved) -> Result<(), EvidenceError> {
+    if resolved.robot.joints.is_empty() {
+        return Err(inconsistent(RESOLVED_JSON, "the number of joints", 0, "at least 1"));
+    }
+    for joint in &resolved.robot.joints {
+        let limits = &joint.limits;
+        for (quantity, limit) in [
+            ("velocity", limits.velocity),
+            ("acceleration", limits.acceleration),
+            ("jerk", limits.jerk),
+            ("effort", limits.effort),
+        ] {
+            if !(limit.is_finite() && limit > 0.0) {
+                let what = format!("joint {}: the limit of {quantity}", joint.name);
+                return Err(inconsistent(RESOLVED_JSON, what, limit, "positive and finite"));
+            }
+        }
+    }
+    if let Some(execution) = &resolved.execution
+        && !(execution.dt.is_finite() && execution.dt >= 1e-9)
+    {
+        return Err(inconsistent(RESOLVED_JSON, "the step dt", execution.dt, "at least 1e-9 s"));
+    }
+    Ok(())
+}
+
+fn plan_fits(plan: &Plan, resolved: &Resolved) -> Result<(), EvidenceError> {
+    let dof = resolved.robot.dof();
+    if plan.trajectory.dof() != dof {
+        let expected = format!("{dof}, as the robot's");
+        return Err(inconsistent(PLAN_JSON, "the number of joints", plan.trajectory.dof(), expected));
+    }
+    if plan.opening.dof() != 1 {
+        return Err(inconsistent(PLAN_JSON, "the number of openings", plan.opening.dof(), "1"));
+    }
+    let duration = plan.duration();
+    // Phases and knots are sums of the same durations in another order.
+    let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + duration);
+    if !same(plan.opening.duration(), duration) {
+        let expected = format!("{duration} s, as the arm's motion");
+        return Err(inconsistent(
+            PLAN_JSON,
+            "the duration of the opening",
+            plan.opening.duration(),
+            expected,
+        ));
+    }
+    let mut end = 0.0;
+    for Phase { name, start, end: next, .. } in &plan.phases {
+        if !(same(*start, end) && *next >= *start) {
+            let expected = format!("at {end} s, and before its end at {next} s");
+            return Err(inconsistent(PLAN_JSON, format!("the start of phase {name}"), start, expected));
+        }
+        end = *next;
+    }
+    if !same(end, duration) {
+        return Err(inconsistent(PLAN_JSON, "the end of the last phase", end, format!("{duration} s")));
+    }
+    Ok(())
+}
+
+fn streams_are_full(recording: &Recording) -> Result<(), EvidenceError> {
+    let full = |stream, column, found, rows, width| {
+        let expected = rows * width;
+        if found == expected {
+            Ok(())
+        } else {
+            Err(EvidenceError::Ragged { stream, column, found, rows, expected })
+        }
+    };
+    for (stream, series) in [("measured", &recording.measured), ("reference", &recording.reference)] {
+        let (rows, width) = (series.len(), series.names.len());
+        full(stream, "position", series.position.len(), rows, width)?;
+        full(stream, "velocity", series.velocity.len(), rows, width)?;
+        full(stream, "effort", series.effort.len(), rows, width)?;
+    }
+    for (stream, series) in [
+        ("tool", &recording.tool),
+        ("reference_tool", &recording.reference_tool),
+        ("object", &recording.object),
+    ] {
+        full(stream, "pose", series.pose.len(), series.time_ns.len(), 1)?;
+        full(stream, "twist", series.twist.len(), series.time_ns.len(), 1)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use graspcheck_motion::Trajectory;
+    use graspcheck_recording::Recording;
+
+    use super::*;
+    use crate::fixture;
+
+    #[test]
+    fn what_was_attached_comes_back_to_the_last_bit() {
+        let run = fixture::pick();
+        let recording = run.written();
+        let evidence = Evidence::from_recording(&recording).unwrap();
+        assert_eq!(evidence.resolved, run.resolved);
+        assert_eq!(evidence.plan, run.plan);
+        assert_eq!(evidence.certificate, run.proved());
+        assert_eq!(evidence.recording.measured, run.recording.measured);
+    }
+
+    #[test]
+    fn attaching_again_replaces() {
+        let run = fixture::pick();
+        let mut recording = run.written();
+        attach(&mut recording, &run.resolved, &run.plan, &run.proved());
+        assert_eq!(recording, run.written());
+        assert_eq!(recording.attachments.len(), 3);
+    }
+
+    #[test]
+    fn a_missing_document_is_named() {
+        assert!(matches!(
+            Evidence::from_recording(&Recording::default()),
+            Err(EvidenceError::Missing { name: RESOLVED_JSON })
+        ));
+        for name in [RESOLVED_JSON, PLAN_JSON, CERTIFICATE_JSON] {
+            let mut recording = fixture::pick().written();
+            recording.attachments.retain(|attachment| attachment.name != name);
+            let error = Evidence::from_recording(&recording).unwrap_err();
+            assert!(matches!(error, EvidenceError::Missing { name: missing } if missing == name), "{error}");
+        }
+    }
+
+    /// The pick's recording with a text in one of its documents replaced.
+    fn edited(name: &str, from: &str, to: &str) -> Recording {
+        let mut recording = fixture::pick().written();
+        let document = recording.attachments.iter_mut().find(|attachment| attachment.name == name).unwrap();
+        let text = String::from_utf8(document.data.clone()).unwrap();
+        assert!(text.contains(from), "{name} has no {from}");
+        document.data = text.replacen(from, to, 1).into_bytes();
+        recording
+    }
+
+    #[test]
+    fn a_document_that_cannot_be_read_is_named() {
+        for (name, from, to) in [
+            (RESOLVED_JSON, "\"lift\"", "lift"),
+            (RESOLVED_JSON, "\"schema\": 1", "\"schema\": \"one\""),
+            (PLAN_JSON, "\"knots\":[0.0", "\"knots\":[0.5"),
+            (CERTIFICATE_JSON, "{", "["),
+        ] {
+            let recording = edited(name, from, to);
+            let error = Evidence::from_recording(&recording).unwrap_err();
+            assert!(matches!(error, EvidenceError::Undecodable { name: bad, .. } if bad == name), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_newer_form_is_refused_before_its_fields_are_read() {
+        let recording = edited(RESOLVED_JSON, "\"schema\": 1,\n  \"name\"", "\"schema\": 2,\n  \"label\"");
+        let error = Evidence::from_recording(&recording).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "resolved.json: schema 2 is newer than 1, the newest known; use a newer graspcheck"
+        );
+        let recording = edited(CERTIFICATE_JSON, "\"schema\":1", "\"schema\":7");
+        assert!(matches!(
+            Evidence::from_recording(&recording),
+            Err(EvidenceError::FromTheFuture { name: CERTIFICATE_JSON, found: 7, known: 1 })
+        ));
+    }
+
+    #[test]
+    fn documents_that_do_not_fit_each_other_are_refused() {
+        let changes: [fn(&mut fixture::Run); 8] = [
+            |run| run.plan.trajectory = Trajectory::hold(&[0.0; 3], run.plan.duration()).unwrap(),
+            |run| run.plan.opening = Trajectory::hold(&[0.06], 1.0).unwrap(),
+            |run| run.plan.opening = Trajectory::hold(&[0.06; 2], run.plan.duration()).unwrap(),
+            |run| run.plan.phases.clear(),
+            |run| drop(run.plan.phases.remove(3)),
+            |run| run.plan.phases[7].end = 100.0,
+            |run| run.resolved.robot.joints[1].limits.jerk = 0.0,
+            |run| run.resolved.execution.as_mut().unwrap().dt = 0.0,
+        ];
+        for (index, change) in changes.into_iter().enumerate() {
+            let mut run = fixture::pick();
+            run.certificate = Some(run.proved());
+            change(&mut run);
+            let error = run.refused();
+            assert!(matches!(error, EvidenceError::Inconsistent { .. }), "change {index}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_stream_with_a_short_column_is_refused() {
+        let changes: [fn(&mut Recording); 4] = [
+            |recording| recording.measured.effort.truncate(7),
+            |recording| recording.reference.names.push("third".into()),
+            |recording| recording.tool.twist.truncate(7),
+            |recording| recording.object.time_ns.clear(),
+        ];
+        for change in changes {
+            let mut run = fixture::pick();
+            change(&mut run.recording);
+            assert!(matches!(run.refused(), EvidenceError::Ragged { .. }));
+        }
+    }
+}

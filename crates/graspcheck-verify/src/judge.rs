@@ -1,0 +1,165 @@
+//! From evidence to verdict.
+
+use crate::{
+    checks::CHECKS,
+    evidence::Evidence,
+    resolved::Expectation,
+    verdict::{CheckResult, Outcome, VERDICT_SCHEMA, Verdict},
+};
+
+/// The verdict on a recording: every check of [`CHECKS`], in that order. Pure: the same evidence gives the
+/// same verdict.
+#[must_use]
+pub fn judge(evidence: &Evidence<'_>) -> Verdict {
+    let checks: Vec<CheckResult> = CHECKS.iter().map(|check| check.evaluate(evidence)).collect();
+    Verdict {
+        schema: VERDICT_SCHEMA,
+        scenario: evidence.resolved.name.clone(),
+        outcome: outcome_of(&checks),
+        as_expected: is_expected(&checks, &evidence.resolved.expect),
+        checks,
+    }
+}
+
+/// Whether a check is meant by a name in an expectation: its own, or its last word, so that `clearance`
+/// stands for `planned.clearance`.
+#[must_use]
+pub fn is_meant_by(check: &str, expected: &str) -> bool {
+    check == expected || check.split_once('.').is_some_and(|(_, word)| word == expected)
+}
+
+/// Fail if any fails, else inconclusive if any is or none was made, else pass.
+fn outcome_of(checks: &[CheckResult]) -> Outcome {
+    let any = |outcome| checks.iter().any(|result| result.outcome == outcome);
+    if any(Outcome::Fail) {
+        Outcome::Fail
+    } else if any(Outcome::Inconclusive) || !any(Outcome::Pass) {
+        Outcome::Inconclusive
+    } else {
+        Outcome::Pass
+    }
+}
+
+/// Whether the checks came out as expected: all pass, or exactly the named ones fail. An undecided check
+/// is never as expected.
+fn is_expected(checks: &[CheckResult], expect: &Expectation) -> bool {
+    let outcome = outcome_of(checks);
+    match expect {
+        Expectation::Pass => outcome == Outcome::Pass,
+        Expectation::Fail(names) => {
+            let failed = || checks.iter().filter(|result| result.outcome == Outcome::Fail);
+            outcome == Outcome::Fail
+                && checks.iter().all(|result| result.outcome != Outcome::Inconclusive)
+                && failed().all(|result| names.iter().any(|name| is_meant_by(&result.check, name)))
+                && names.iter().all(|name| failed().any(|result| is_meant_by(&result.check, name)))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::{self, Run, contact, ns_of};
+
+    fn outcome(verdict: &Verdict, name: &str) -> Outcome {
+        verdict.checks.iter().find(|result| result.check == name).unwrap().outcome
+    }
+
+    fn expecting(mut run: Run, names: &[&str]) -> Verdict {
+        run.resolved.expect = Expectation::Fail(names.iter().map(|&name| name.to_owned()).collect());
+        run.judged()
+    }
+
+    #[test]
+    fn a_good_run_passes_and_every_check_that_was_made_has_a_value() {
+        let verdict = fixture::pick().judged();
+        assert_eq!(verdict.outcome, Outcome::Pass, "{:#?}", verdict.failed().collect::<Vec<_>>());
+        assert!(verdict.as_expected);
+        let names: Vec<&str> = verdict.checks.iter().map(|result| result.check.as_str()).collect();
+        assert_eq!(names, CHECKS.iter().map(|check| check.name).collect::<Vec<_>>());
+        for result in verdict.checks.iter().filter(|result| result.outcome == Outcome::Pass) {
+            assert!(
+                result.value.is_some() && result.limit.is_some() && result.margin.is_some(),
+                "{result:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn judging_is_pure() {
+        let run = fixture::pick();
+        assert_eq!(run.judged(), run.judged());
+    }
+
+    #[test]
+    fn a_plan_alone_is_judged_without_what_was_not_executed() {
+        let mut run = fixture::pick();
+        run.resolved.execution = None;
+        run.recording = Default::default();
+        let verdict = run.judged();
+        assert_eq!(verdict.outcome, Outcome::Pass);
+        for result in verdict.checks.iter().filter(|result| result.check.starts_with("executed")) {
+            assert_eq!(result.outcome, Outcome::NotRequested, "{result:?}");
+        }
+    }
+
+    #[test]
+    fn a_run_that_lost_its_streams_is_inconclusive_and_never_as_expected() {
+        let mut run = fixture::pick();
+        run.recording = Default::default();
+        let verdict = run.judged();
+        assert_eq!((verdict.outcome, verdict.as_expected), (Outcome::Inconclusive, false));
+        run.resolved.robot.joints[1].limits.jerk = 1.0;
+        let verdict = expecting(run, &["planned.jerk"]);
+        assert_eq!((verdict.outcome, verdict.as_expected), (Outcome::Fail, false));
+    }
+
+    #[test]
+    fn exactly_the_named_checks_must_fail() {
+        let broken = || {
+            let mut run = fixture::pick();
+            run.resolved.robot.joints[1].limits.jerk = 1.0;
+            run.recording.contacts.push(contact(ns_of(4.0), "palm", "table", 0.0, 3.0));
+            run
+        };
+        assert!(!broken().judged().as_expected);
+        assert!(expecting(broken(), &["planned.jerk", "executed.contacts"]).as_expected);
+        assert!(expecting(broken(), &["jerk", "contacts"]).as_expected);
+        assert!(!expecting(broken(), &["planned.jerk"]).as_expected, "one fails that is not named");
+        assert!(!expecting(broken(), &["jerk", "contacts", "slip"]).as_expected, "one is named that passes");
+        assert!(!expecting(broken(), &["jerk", "contacts", "planned.jer"]).as_expected);
+    }
+
+    #[test]
+    fn a_run_that_must_fail_and_passes_is_not_as_expected() {
+        let verdict = expecting(fixture::pick(), &["clearance"]);
+        assert_eq!((verdict.outcome, verdict.as_expected), (Outcome::Pass, false));
+        assert!(!expecting(fixture::pick(), &[]).as_expected);
+    }
+
+    #[test]
+    fn a_word_stands_for_both_motions() {
+        assert!(is_meant_by("planned.clearance", "clearance"));
+        assert!(is_meant_by("executed.clearance", "clearance"));
+        assert!(is_meant_by("planned.clearance", "planned.clearance"));
+        assert!(!is_meant_by("planned.clearance", "planned"));
+        assert!(!is_meant_by("planned.clearance", "executed.clearance"));
+    }
+
+    #[test]
+    fn nothing_made_is_inconclusive() {
+        assert_eq!(outcome_of(&[]), Outcome::Inconclusive);
+        let mut none = fixture::pick().judged().checks;
+        none.retain(|result| result.outcome == Outcome::NotRequested);
+        assert!(!none.is_empty());
+        assert_eq!(outcome_of(&none), Outcome::Inconclusive);
+    }
+
+    #[test]
+    fn checks_of_blends_are_made_where_they_apply() {
+        let verdict = fixture::blends().judged();
+        assert_eq!(outcome(&verdict, "planned.continuity"), Outcome::Pass);
+        assert_eq!(outcome(&verdict, "planned.via"), Outcome::Pass);
+        assert_eq!(outcome(&verdict, "executed.grip"), Outcome::NotRequested);
+    }
+}
