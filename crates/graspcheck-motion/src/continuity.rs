@@ -122,16 +122,21 @@ impl<'a> Knots<'a> {
         /// short piece the terms of an acceleration can be far larger than their sum.
         const ROUNDING: f64 = 100.0 * f64::EPSILON;
 
-        let duration = self.knots[knot] - self.knots[knot - 1];
+        let [start, end] = [self.knots[knot - 1], self.knots[knot]];
+        // Both knots are rounded to the spacing of floats, which late in a motion shows in the next
+        // derivative.
+        let time_error = 2.0 * f64::EPSILON * end;
         (0..self.dof).map(move |joint| {
             let before = &self.pieces[(knot - 1) * self.dof + joint];
-            let left = before.eval(duration);
+            let left = before.eval(end - start);
             let right = self.pieces[knot * self.dof + joint].eval(0.0);
-            let terms = before.magnitudes().eval(duration);
+            let terms = before.magnitudes().eval(end - start);
             Step {
                 size: std::array::from_fn(|order| right[order] - left[order]),
                 tolerance: std::array::from_fn(|order| {
-                    SMOOTH_TOLERANCE * self.scales[joint][order] + ROUNDING * terms[order]
+                    SMOOTH_TOLERANCE * self.scales[joint][order]
+                        + ROUNDING * terms[order]
+                        + time_error * left[order + 1].abs()
                 }),
             }
         })
@@ -193,6 +198,20 @@ mod tests {
                 Jump { time: 1.0, joint: 1, order: 2, size: -1.0 },
             ]
         );
+    }
+
+    #[test]
+    fn the_rounding_of_late_knots_is_no_break() {
+        // Jerk up, jerk down for 5 µs each after an hour of rest, where floats are 4.5e-13 s apart.
+        let (h, jerk) = (5e-6, 15_000.0);
+        let up = Polynomial::new([0.0, 0.0, 0.0, jerk / 6.0]);
+        let [q, qd, qdd, _] = up.eval(h);
+        let down = Polynomial::new([q, qd, 0.5 * qdd, -jerk / 6.0]);
+        let [q, qd, ..] = down.eval(h);
+        let after = Polynomial::new([q, qd]);
+        let bump = Trajectory::new(1, vec![0.0, h, 2.0 * h, 1.0], vec![up, down, after]).unwrap();
+        let late = Trajectory::hold(&[0.0], 3600.0).unwrap().then(&bump).unwrap();
+        assert!(late.breaks().is_empty(), "{:?}", late.breaks());
     }
 
     #[test]

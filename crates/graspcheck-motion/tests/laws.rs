@@ -48,14 +48,14 @@ fn magnitude(p: &Polynomial, order: usize, h: f64) -> f64 {
 /// The greatest value on `[a, b]` by dense sampling and ternary search around the best samples.
 fn sampled_maximum(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
     const SAMPLES: usize = 400;
-    let at = |i: usize| a + (b - a) * i as f64 / SAMPLES as f64;
+    let at = |i: usize| a + (b - a) * i.min(SAMPLES) as f64 / SAMPLES as f64;
     let mut best = f64::NEG_INFINITY;
     for i in 0..=SAMPLES {
+        let (mut low, mut high) = (at(i.saturating_sub(1)), at(i + 1));
         best = best.max(f(at(i)));
-        if i == 0 || i == SAMPLES || f(at(i)) < f(at(i - 1)) || f(at(i)) < f(at(i + 1)) {
+        if f(at(i)) < f(low) || f(at(i)) < f(high) {
             continue;
         }
-        let (mut low, mut high) = (at(i - 1), at(i + 1));
         for _ in 0..60 {
             let third = (high - low) / 3.0;
             if f(low + third) < f(high - third) { low += third } else { high -= third }
