@@ -198,7 +198,7 @@ pub(crate) fn decode<T: DeserializeOwned>(
 fn inconsistent(
     name: &'static str,
     what: impl Into<String>,
-    found: impl ToString,
+    found: &impl ToString,
     expected: impl Into<String>,
 ) -> EvidenceError {
     EvidenceError::Inconsistent {
@@ -211,7 +211,7 @@ fn inconsistent(
 
 fn robot_is_sound(resolved: &Resolved) -> Result<(), EvidenceError> {
     if resolved.robot.joints.is_empty() {
-        return Err(inconsistent(RESOLVED_JSON, "the number of joints", 0, "at least 1"));
+        return Err(inconsistent(RESOLVED_JSON, "the number of joints", &0, "at least 1"));
     }
     for joint in &resolved.robot.joints {
         let limits = &joint.limits;
@@ -223,14 +223,14 @@ fn robot_is_sound(resolved: &Resolved) -> Result<(), EvidenceError> {
         ] {
             if !(limit.is_finite() && limit > 0.0) {
                 let what = format!("joint {}: the limit of {quantity}", joint.name);
-                return Err(inconsistent(RESOLVED_JSON, what, limit, "positive and finite"));
+                return Err(inconsistent(RESOLVED_JSON, what, &limit, "positive and finite"));
             }
         }
     }
     if let Some(execution) = &resolved.execution
         && !(execution.dt.is_finite() && execution.dt >= 1e-9)
     {
-        return Err(inconsistent(RESOLVED_JSON, "the step dt", execution.dt, "at least 1e-9 s"));
+        return Err(inconsistent(RESOLVED_JSON, "the step dt", &execution.dt, "at least 1e-9 s"));
     }
     Ok(())
 }
@@ -239,10 +239,10 @@ fn plan_fits(plan: &Plan, resolved: &Resolved) -> Result<(), EvidenceError> {
     let dof = resolved.robot.dof();
     if plan.trajectory.dof() != dof {
         let expected = format!("{dof}, as the robot's");
-        return Err(inconsistent(PLAN_JSON, "the number of joints", plan.trajectory.dof(), expected));
+        return Err(inconsistent(PLAN_JSON, "the number of joints", &plan.trajectory.dof(), expected));
     }
     if plan.opening.dof() != 1 {
-        return Err(inconsistent(PLAN_JSON, "the number of openings", plan.opening.dof(), "1"));
+        return Err(inconsistent(PLAN_JSON, "the number of openings", &plan.opening.dof(), "1"));
     }
     let duration = plan.duration();
     // Phases and knots are sums of the same durations in another order.
@@ -252,7 +252,7 @@ fn plan_fits(plan: &Plan, resolved: &Resolved) -> Result<(), EvidenceError> {
         return Err(inconsistent(
             PLAN_JSON,
             "the duration of the opening",
-            plan.opening.duration(),
+            &plan.opening.duration(),
             expected,
         ));
     }
@@ -265,7 +265,7 @@ fn plan_fits(plan: &Plan, resolved: &Resolved) -> Result<(), EvidenceError> {
         end = *next;
     }
     if !same(end, duration) {
-        return Err(inconsistent(PLAN_JSON, "the end of the last phase", end, format!("{duration} s")));
+        return Err(inconsistent(PLAN_JSON, "the end of the last phase", &end, format!("{duration} s")));
     }
     Ok(())
 }

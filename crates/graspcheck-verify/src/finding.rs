@@ -67,7 +67,7 @@ impl Finding {
         let mut finding = Self::at_most(value, limit, unit).at(time);
         let mut beyond = samples.iter().filter(|(_, value)| !Self::at_most(*value, limit, unit).passes);
         if let Some(&(first, _)) = beyond.next() {
-            finding.violated = Some([first, beyond.last().map_or(first, |&(last, _)| last)]);
+            finding.violated = Some([first, beyond.next_back().map_or(first, |&(last, _)| last)]);
         }
         Some(finding)
     }

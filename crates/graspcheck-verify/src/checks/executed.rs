@@ -131,6 +131,9 @@ mod tests {
         fixture::{self, DT, Run},
     };
 
+    /// Changes a run at a row.
+    type Spoil = fn(&mut Run, usize);
+
     const STREAM_CHECKS: [&str; 5] = [
         "executed.position",
         "executed.velocity",
@@ -156,7 +159,7 @@ mod tests {
     #[test]
     fn one_sample_beyond_a_limit_fails_with_joint_and_time() {
         let row = fixture::pick().rows_from(4.0).start;
-        let spoil: [(&str, fn(&mut Run, usize)); 3] = [
+        let spoil: [(&str, Spoil); 3] = [
             ("executed.position", |run, row| run.recording.measured.position[4 * row + 1] = -1.01),
             ("executed.velocity", |run, row| run.recording.measured.velocity[4 * row + 1] = -1.01),
             ("executed.torque", |run, row| run.recording.reference.effort[4 * row + 1] = -51.0),
@@ -263,17 +266,17 @@ mod tests {
 
     #[test]
     fn a_sample_that_is_not_finite_fails_with_its_time() {
-        let spoil: [(&str, fn(&mut Run)); 6] = [
-            ("executed.position", |run| run.recording.measured.position[4 * 50 + 1] = f64::NAN),
-            ("executed.velocity", |run| run.recording.measured.velocity[4 * 50] = f64::INFINITY),
-            ("executed.torque", |run| run.recording.reference.effort[4 * 50] = f64::NAN),
-            ("executed.saturation", |run| run.recording.reference.effort[4 * 50] = f64::NAN),
-            ("executed.tracking", |run| run.recording.tool.pose[50][2] = f64::NAN),
-            ("executed.tracking", |run| run.recording.tool.pose[50][6] = 0.0),
+        let spoil: [(&str, Spoil); 6] = [
+            ("executed.position", |run, row| run.recording.measured.position[4 * row + 1] = f64::NAN),
+            ("executed.velocity", |run, row| run.recording.measured.velocity[4 * row] = f64::INFINITY),
+            ("executed.torque", |run, row| run.recording.reference.effort[4 * row] = f64::NAN),
+            ("executed.saturation", |run, row| run.recording.reference.effort[4 * row] = f64::NAN),
+            ("executed.tracking", |run, row| run.recording.tool.pose[row][2] = f64::NAN),
+            ("executed.tracking", |run, row| run.recording.tool.pose[row][6] = 0.0),
         ];
         for (name, change) in spoil {
             let mut run = fixture::pick();
-            change(&mut run);
+            change(&mut run, 50);
             let result = run.check(name);
             assert_eq!((result.outcome, result.time), (Outcome::Fail, Some(0.5)), "{result:?}");
             assert_eq!(result.value, None);

@@ -48,7 +48,7 @@ pub(super) fn grip(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     let weaker = forces.into_iter().map(|(time_ns, [one, other])| (seconds(time_ns), one.min(other)));
     let (time, force) = worst_by(weaker, |(_, force)| -*force)
         .ok_or_else(|| Gap::inconclusive(Some(lift), "no sample just before the lift"))?;
-    if !(grasp.force > 0.0) {
+    if grasp.force <= 0.0 {
         return Err(Gap::inconclusive(Some(lift), format!("the plan asks for a grip of {} N", grasp.force)));
     }
     let mut finding = Finding::at_least(force, REACHED_SHARE * grasp.force, Unit::Newton).by_share();

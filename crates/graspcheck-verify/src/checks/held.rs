@@ -27,5 +27,5 @@ pub(super) fn stretch(evidence: &Evidence<'_>) -> Result<[f64; 2], Gap> {
     let mut held = evidence.plan.phases.iter().filter(|phase| phase.holding == Holding::Held);
     let first =
         held.next().ok_or_else(|| Gap::inconclusive(None, "no phase of the plan holds the object"))?;
-    Ok([first.start, held.last().unwrap_or(first).end])
+    Ok([first.start, held.next_back().unwrap_or(first).end])
 }

@@ -35,7 +35,7 @@ pub(super) fn position(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
         let JointLimits { position_min, position_max, .. } = model.limits;
         trajectory.exceeds(joint, 0, position_min - POSITION_ROUNDING, position_max + POSITION_ROUNDING)
     });
-    Ok(located(worst, joint, violated.collect(), evidence))
+    Ok(located(worst, joint, &violated.collect::<Vec<_>>(), evidence))
 }
 
 /// The joint that uses the largest share of its velocity limit.
@@ -72,11 +72,11 @@ pub(super) fn derivative(
         let limit = limit_of(&model.limits) * (1.0 + ROUNDING);
         trajectory.exceeds(joint, order, -limit, limit)
     });
-    Ok(located(worst, joint, violated.collect(), evidence))
+    Ok(located(worst, joint, &violated.collect::<Vec<_>>(), evidence))
 }
 
 /// The finding with joint and phase, and with the first and last instant of the violations of all joints.
-fn located(finding: Finding, joint: usize, violated: Vec<[f64; 2]>, evidence: &Evidence<'_>) -> Finding {
+fn located(finding: Finding, joint: usize, violated: &[[f64; 2]], evidence: &Evidence<'_>) -> Finding {
     let time = finding.time.unwrap_or(0.0);
     let mut located = finding.of([evidence.joints()[joint].name.as_str()]).during(evidence.phase_name(time));
     if located.passes {
