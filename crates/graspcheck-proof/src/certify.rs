@@ -9,12 +9,10 @@ use graspcheck_model::plan::{Holding, Plan};
 use nalgebra::Vector3;
 
 use crate::{
-    certificate::{
-        CERTIFICATE_SCHEMA, Certificate, Doubt, Leaf, PairCertificate, PairVerdict, Violation,
-    },
+    certificate::{CERTIFICATE_SCHEMA, Certificate, Doubt, Leaf, PairCertificate, PairVerdict, Violation},
     contact::{Requirement, Stage},
     displacement::Moment,
-    gap::{self, Separation, gap, separation},
+    gap::{GAP_SLACK, Separation, first_normal, gap, overlap_of_at_least, separation},
     scene::{PartPair, Scene},
     solid::Placed,
     stretch::{Stretch, middle, stretches},
@@ -27,6 +25,10 @@ pub const SHORTEST_INTERVAL: f64 = 1e-9;
 /// At an interval's middle the distance is found to this share of what motion can take from it: finer would
 /// not decide more.
 const SHARE_OF_LOSS: f64 = 0.05;
+
+/// When motion can take more than this many times what the normal at hand leaves over, no other normal will
+/// do for the whole interval.
+const HOPELESS: f64 = 4.0;
 
 /// A pair that is not decided at some node, with the normal that was best at the node above.
 #[derive(Clone, Copy)]
@@ -163,19 +165,22 @@ impl View<'_> {
     /// Looks at the pair once. `hint` is a normal, or zero where none is known.
     fn step(&self, moment: &mut Moment, hint: &Vector3<f64>) -> Step {
         let required = self.requirement.required;
+        let [start, end] = self.interval;
         let [a, b] = moment.placed(self.pair);
-        let mut hint = *hint;
-        if hint == Vector3::zeros() {
-            hint = first_normal(&a, &b);
-        }
+        let first_look = *hint == Vector3::zeros();
+        let hint = if first_look { first_normal(&a, &b) } else { *hint };
         // Most pairs are decided by the normal of a moment ago.
         let hint_loss = moment.loss(self.pair, self.requirement, &hint);
         let hint_gap = gap(&a, &b, &hint);
         if hint_gap - hint_loss >= required {
             return Step::Proved(self.leaf(&hint, hint_gap, hint_loss));
         }
+        // A shorter interval is needed in any case: a search for a better normal can wait.
+        let hopeless = hint_loss > HOPELESS * (hint_gap - required);
+        if !first_look && hint_gap > required && hopeless && end - start > SHORTEST_INTERVAL {
+            return Step::Open(hint);
+        }
         let Some(known) = separation(&a, &b, Some(&hint), SHARE_OF_LOSS * hint_loss) else {
-            let [start, end] = self.interval;
             let time = middle(start, end);
             let reason = format!("phase {}, t = {time} s: the distance cannot be computed", self.phase);
             return Step::Settled(PairVerdict::NotChecked { reason });
@@ -187,11 +192,15 @@ impl View<'_> {
         if known.lower - loss >= required {
             return Step::Proved(self.leaf(&known.normal, known.lower, loss));
         }
-        let [start, end] = self.interval;
         if end - start < SHORTEST_INTERVAL {
             let distance = [known.lower, known.upper];
             let phase = self.phase.to_owned();
-            return Step::Settled(PairVerdict::Unknown(Doubt { interval: [start, end], phase, distance, required }));
+            return Step::Settled(PairVerdict::Unknown(Doubt {
+                interval: [start, end],
+                phase,
+                distance,
+                required,
+            }));
         }
         Step::Open(known.normal)
     }
@@ -205,9 +214,10 @@ impl View<'_> {
         let required = self.requirement.required;
         let (distance, points) = if known.upper < required {
             (known.upper, known.points)
-        } else if required < 0.0 && known.lower < required {
-            let common = gap::overlap_of_at_least(a, b, -required)?;
-            (required, [common; 2])
+        } else if known.lower < required && known.upper <= GAP_SLACK {
+            // The cores overlap: where that is required not to be so deep, it must be shown to be deeper.
+            let depth = (-required).max(GAP_SLACK);
+            (-depth, [overlap_of_at_least(a, b, depth)?; 2])
         } else {
             return None;
         };
@@ -219,11 +229,6 @@ impl View<'_> {
             points: points.map(Into::into),
         })
     }
-}
-
-/// A normal to begin with: from the point of one solid's bounding ball to the other's.
-pub(crate) fn first_normal(a: &Placed, b: &Placed) -> Vector3<f64> {
-    (b.place.center - a.place.center).try_normalize(1e-12).unwrap_or_else(Vector3::z)
 }
 
 /// The scene in every kind of holding that a plan has.
@@ -251,4 +256,169 @@ impl Stages {
 /// A pair, the stretch of the plan and the interval: kept together by the search for the least margin.
 pub(crate) fn stage_of<'s>(stages: &'s Stages, plan: &Plan, stretch: &Stretch) -> &'s Stage {
     stages.of(plan.phases[stretch.phase].holding)
+}
+
+#[cfg(test)]
+mod tests {
+    use graspcheck_model::{robot::JointKind, shape::Shape};
+    use graspcheck_motion::Trajectory;
+
+    use super::*;
+    use crate::{
+        certificate::ProofOutcome,
+        fixtures::{self, at, boxed},
+        minimum::MARGIN_TOLERANCE,
+    };
+
+    const REACH: f64 = 1.0;
+    const BALL: f64 = 0.01;
+
+    /// A ball on an arm of 1 m without thickness that turns about z from -1 rad to 1 rad, and one obstacle.
+    fn whirling_ball(
+        obstacle: Shape,
+        place: graspcheck_model::Pose,
+        required: f64,
+        duration: f64,
+    ) -> (Scene, Plan) {
+        let joints = vec![fixtures::joint(
+            "pivot",
+            JointKind::Revolute,
+            graspcheck_model::Pose::identity(),
+            Vector3::z(),
+        )];
+        let ball = Shape::Sphere { radius: BALL };
+        let mut robot =
+            fixtures::robot(joints, vec![fixtures::link("tip", vec![(at(REACH, 0.0, 0.0), ball)])]);
+        for finger in &mut robot.gripper.fingers {
+            finger.link.shapes.clear();
+        }
+        let cell = fixtures::cell(required, vec![("obstacle", obstacle, place)]);
+        let scene = Scene::new(&robot, &cell, None).unwrap();
+        (scene, fixtures::rest_to_rest(&[-1.0], &[1.0], duration))
+    }
+
+    #[test]
+    fn a_thin_rod_between_samples_is_found() {
+        // The ball passes the rod at 75 m/s: 22 mm wide together, less than one sample of 1 kHz apart.
+        let rod = Shape::Cylinder { radius: 0.001, half_length: 0.5 };
+        let turn: f64 = 0.021;
+        let (scene, plan) = whirling_ball(rod, at(turn.cos(), turn.sin(), 0.0), 0.0, 0.05);
+        let mut sampler = scene.sampler(&plan).unwrap();
+        let sampled = (0..=50).map(|ms| {
+            let t = f64::from(ms) / 1000.0;
+            sampler.margin(t, &plan.trajectory.eval(t.min(plan.duration())).q, 0.05, None).unwrap()
+        });
+        assert!(sampled.fold(f64::INFINITY, f64::min) > 0.0, "the rod is met by a sample; move it");
+        let certificate = scene.certify(&plan);
+        assert_eq!(certificate.outcome(), ProofOutcome::Violated);
+        let (pair, violation) = certificate.violations().next().unwrap();
+        assert_eq!((pair.a.as_str(), pair.b.as_str()), ("tip", "obstacle"));
+        let angle = plan.trajectory.eval(violation.time).q[0];
+        let gap = 2.0 * (0.5 * (angle - turn)).sin().abs() - BALL - 0.001;
+        assert!(gap < 0.0, "at {} s the true distance is {gap} m", violation.time);
+        // When the axes meet the overlap is 11 mm; what can be shown of it is the ball's radius.
+        let least = scene.minimum_margin(&plan, MARGIN_TOLERANCE).unwrap();
+        assert!(least.lower <= -0.011 + 1e-9 && least.upper <= -0.01 + 1e-5, "{least:?}");
+    }
+
+    #[test]
+    fn grazing_by_fifty_micrometres_is_told_from_missing_by_fifty() {
+        for (beside, free) in [(5e-5, true), (-5e-5, false)] {
+            let wall = boxed(0.05, 0.3, 0.1);
+            let place = at(REACH + BALL + beside + 0.05, 0.0, 0.0);
+            let (scene, plan) = whirling_ball(wall, place, 0.0, 1.0);
+            let certificate = scene.certify(&plan);
+            assert_eq!(certificate.is_free(), free, "{certificate:?}");
+            assert_eq!(certificate.outcome() == ProofOutcome::Violated, !free);
+            let least = scene.minimum_margin(&plan, 1e-6).unwrap();
+            assert!(least.lower <= beside && beside <= least.upper + 1e-9, "{least:?}");
+            assert!(least.upper - least.lower <= 1e-6, "{least:?}");
+            assert!((least.time - 0.5).abs() < 0.01, "{least:?}");
+        }
+    }
+
+    #[test]
+    fn a_required_distance_that_is_met_exactly_is_unknown() {
+        let (scene, plan) =
+            whirling_ball(boxed(0.05, 0.3, 0.1), at(REACH + BALL + 0.002 + 0.05, 0.0, 0.0), 0.002, 1.0);
+        let certificate = scene.certify(&plan);
+        assert_eq!(certificate.outcome(), ProofOutcome::Unknown);
+        let PairVerdict::Unknown(doubt) = &certificate.pairs[0].verdict else {
+            panic!("{:?}", certificate.pairs[0].verdict)
+        };
+        assert!(doubt.distance.iter().all(|d| (d - 0.002).abs() < 1e-8), "{doubt:?}");
+        assert!(doubt.interval[0] <= 0.5 + 1e-4 && doubt.interval[1] >= 0.5 - 1e-4, "{doubt:?}");
+    }
+
+    /// The leaves of a free pair follow each other from 0 to the end without a gap, and each holds.
+    #[test]
+    fn leaves_cover_the_whole_motion() {
+        let post = ("post", boxed(0.05, 0.05, 0.2), at(0.75, 0.2, 0.2));
+        let scene = Scene::new(&fixtures::scara(), &fixtures::cell(0.001, vec![post]), None).unwrap();
+        let there = fixtures::rest_to_rest(&[-1.0, 0.2, 0.0, 0.0], &[-0.2, 1.0, 0.05, 3.0], 0.7);
+        let back = fixtures::rest_to_rest(&[-0.2, 1.0, 0.05, 3.0], &[-1.5, 0.1, 0.0, 9.0], 1.1);
+        let mut plan = fixtures::rest_to_rest(&[0.0; 4], &[0.0; 4], 1.8);
+        plan.trajectory = there.trajectory.then(&back.trajectory).unwrap();
+        plan.phases[0].end = plan.trajectory.duration();
+        let certificate = scene.certify(&plan);
+        assert_eq!(certificate.outcome(), ProofOutcome::Free, "{certificate:?}");
+        for pair in &certificate.pairs {
+            let mut time = 0.0;
+            let PairVerdict::Free { margin } = pair.verdict else { panic!("{pair:?}") };
+            for leaf in &pair.leaves {
+                assert_eq!(leaf.start, time, "{pair:?}");
+                assert!(leaf.end > leaf.start && leaf.gap - leaf.loss >= leaf.required);
+                assert!(leaf.gap - leaf.loss - leaf.required >= margin);
+                time = leaf.end;
+            }
+            assert_eq!(time, plan.duration());
+        }
+    }
+
+    #[test]
+    fn the_same_plan_gives_the_same_certificate_and_json_keeps_it() {
+        let (scene, plan) = whirling_ball(boxed(0.05, 0.3, 0.1), at(1.1, 0.0, 0.0), 0.0, 1.0);
+        let certificate = scene.certify(&plan);
+        assert_eq!(certificate, scene.certify(&plan));
+        let json = serde_json::to_string(&certificate).unwrap();
+        assert_eq!(serde_json::from_str::<Certificate>(&json).unwrap(), certificate);
+        assert!(json.starts_with("{\"schema\":1,"), "{json}");
+    }
+
+    #[test]
+    fn a_plan_that_does_not_fit_is_not_checked() {
+        let (scene, good) = whirling_ball(boxed(0.05, 0.3, 0.1), at(1.1, 0.0, 0.0), 0.0, 1.0);
+        let mut plans = [good.clone(), good.clone(), good.clone(), good.clone(), good.clone()];
+        plans[0].trajectory = Trajectory::hold(&[0.0, 0.0], 1.0).unwrap();
+        plans[1].opening = Trajectory::hold(&[0.05], 2.0).unwrap();
+        plans[2].phases[0].end = 0.9;
+        plans[3].phases.clear();
+        plans[4].phases[0].start = 0.1;
+        for plan in &plans {
+            let certificate = scene.certify(plan);
+            assert_eq!(certificate.outcome(), ProofOutcome::NotChecked, "{certificate:?}");
+            assert!(scene.minimum_margin(plan, 1e-5).is_none());
+        }
+        assert_eq!(scene.certify(&good).outcome(), ProofOutcome::Free);
+    }
+
+    #[test]
+    fn numbers_that_are_too_large_are_not_checked() {
+        let (scene, mut plan) = whirling_ball(boxed(0.05, 0.3, 0.1), at(1.1, 0.0, 0.0), 0.0, 1.0);
+        plan.trajectory = Trajectory::hold(&[1e300], 1.0).unwrap();
+        assert_eq!(scene.certify(&plan).outcome(), ProofOutcome::Free, "an angle is an angle");
+        let (scene, plan) = whirling_ball(boxed(0.05, 0.3, 0.1), at(1e5, 0.0, 0.0), 0.0, 1.0);
+        assert_eq!(scene.certify(&plan).outcome(), ProofOutcome::NotChecked);
+    }
+
+    #[test]
+    fn nothing_to_check_is_not_free() {
+        let robot = fixtures::robot(
+            vec![fixtures::joint("pivot", JointKind::Revolute, at(0.0, 0.0, 0.0), Vector3::z())],
+            vec![fixtures::link("tip", vec![])],
+        );
+        let scene = Scene::new(&robot, &fixtures::cell(0.0, vec![]), None).unwrap();
+        let certificate = scene.certify(&fixtures::rest_to_rest(&[0.0], &[1.0], 1.0));
+        assert_eq!(certificate.outcome(), ProofOutcome::NotChecked);
+    }
 }

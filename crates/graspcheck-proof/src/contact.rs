@@ -241,3 +241,239 @@ impl Scene {
         all
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use graspcheck_model::{
+        object::Object,
+        plan::{Grasp, Phase},
+        robot::{JointKind, RobotModel},
+    };
+    use graspcheck_motion::{Polynomial, Trajectory};
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::{
+        certificate::{PairVerdict, ProofOutcome},
+        fixtures::{self, at, boxed},
+    };
+
+    const WIDTH: f64 = 0.04;
+    /// Height of the hand's frame when the tool frame is 15 mm above the middle of a cube on the table.
+    const GRASP_HEIGHT: f64 = 0.095;
+
+    /// Three slides along x, y and z with a hand at the end: every pose of it is plain.
+    fn gantry() -> RobotModel {
+        let slide = |name, axis| fixtures::joint(name, JointKind::Prismatic, Pose::identity(), axis);
+        fixtures::robot(
+            vec![slide("x", Vector3::x()), slide("y", Vector3::y()), slide("z", Vector3::z())],
+            vec![
+                fixtures::link("bridge", vec![]),
+                fixtures::link("carriage", vec![]),
+                fixtures::link("hand", vec![(Pose::identity(), boxed(0.03, 0.06, 0.02))]),
+            ],
+        )
+    }
+
+    fn cube() -> Object {
+        Object {
+            name: "cube".to_owned(),
+            shape: boxed(0.02, 0.02, 0.02),
+            mass: 0.1,
+            friction: 0.8,
+            world_from_object: at(0.0, 0.0, 0.02),
+            handles: vec![],
+        }
+    }
+
+    /// What differs between the plans of these tests.
+    struct Pick {
+        opening: f64,
+        grasp_height: f64,
+        carry_height: f64,
+        place_height: f64,
+        carry_to: f64,
+    }
+
+    const GOOD: Pick = Pick {
+        opening: 0.05,
+        grasp_height: GRASP_HEIGHT,
+        carry_height: 0.2,
+        place_height: GRASP_HEIGHT,
+        carry_to: 0.2,
+    };
+
+    fn plan(pick: &Pick) -> Plan {
+        let Pick { opening, grasp_height, carry_height, place_height, carry_to } = *pick;
+        let squeezed = WIDTH - 0.004;
+        let steps = [
+            ("descend", Holding::AtStart, [0.0, 0.3], [0.0, grasp_height], [opening, opening]),
+            ("close", Holding::Closing, [0.0, grasp_height], [0.0, grasp_height], [opening, squeezed]),
+            ("lift", Holding::Held, [0.0, grasp_height], [0.0, carry_height], [squeezed; 2]),
+            ("carry", Holding::Held, [0.0, carry_height], [carry_to, carry_height], [squeezed; 2]),
+            ("lower", Holding::Held, [carry_to, carry_height], [carry_to, place_height], [squeezed; 2]),
+            (
+                "open",
+                Holding::Opening,
+                [carry_to, place_height],
+                [carry_to, place_height],
+                [squeezed, opening],
+            ),
+            ("retreat", Holding::Placed, [carry_to, place_height], [carry_to, 0.3], [opening; 2]),
+        ];
+        let ramp = |a: f64, b: f64| Polynomial::quintic_hermite([a, 0.0, 0.0], [b, 0.0, 0.0], 0.5);
+        let knots: Vec<f64> = (0..=steps.len()).map(|i| 0.5 * i as f64).collect();
+        let mut arm = Vec::new();
+        let mut gripper = Vec::new();
+        let mut phases = Vec::new();
+        for (i, (name, holding, from, to, opening)) in steps.into_iter().enumerate() {
+            arm.extend([ramp(from[0], to[0]), Polynomial::constant(0.0), ramp(from[1], to[1])]);
+            gripper.push(ramp(opening[0], opening[1]));
+            phases.push(Phase { name: name.to_owned(), start: knots[i], end: knots[i + 1], holding });
+        }
+        let world_from_tool = gantry().world_from_tool(&[0.0, 0.0, grasp_height]);
+        let tool_from_object = world_from_tool.inverse() * cube().world_from_object;
+        let world_from_placed = gantry().world_from_tool(&[carry_to, 0.0, place_height]) * tool_from_object;
+        Plan {
+            trajectory: Trajectory::new(3, knots.clone(), arm).unwrap(),
+            opening: Trajectory::new(1, knots, gripper).unwrap(),
+            phases,
+            grasp: Some(Grasp {
+                handle: "top".to_owned(),
+                tool_from_object,
+                width: WIDTH,
+                opening,
+                force: 10.0,
+                world_from_start: cube().world_from_object,
+                world_from_placed,
+            }),
+        }
+    }
+
+    fn scene(bodies: Vec<(&str, graspcheck_model::shape::Shape, Pose)>) -> Scene {
+        let table = ("table", boxed(0.5, 0.5, 0.05), at(0.0, 0.0, -0.05));
+        let bodies = [vec![table], bodies].concat();
+        Scene::new(&gantry(), &fixtures::cell(0.002, bodies), Some(&cube())).unwrap()
+    }
+
+    /// The names of the violated pairs and the phase.
+    fn violated(scene: &Scene, plan: &Plan) -> Vec<(String, String, String)> {
+        let certificate = scene.certify(plan);
+        let found = certificate.violations();
+        found.map(|(pair, violation)| (pair.a.clone(), pair.b.clone(), violation.phase.clone())).collect()
+    }
+
+    fn triple(a: &str, b: &str, phase: &str) -> (String, String, String) {
+        (a.to_owned(), b.to_owned(), phase.to_owned())
+    }
+
+    #[test]
+    fn a_good_pick_is_free_and_its_margin_is_known() {
+        let (scene, plan) = (scene(vec![]), plan(&GOOD));
+        let certificate = scene.certify(&plan);
+        assert_eq!(certificate.outcome(), ProofOutcome::Free, "{certificate:?}");
+        // The fingers end 5 mm above the table, of which 2 mm are required, and stand 5 mm beside the cube.
+        let least = scene.minimum_margin(&plan, 1e-6).unwrap();
+        assert!((least.upper - 0.003).abs() < 1e-6 && (least.lower - 0.003).abs() < 2e-6, "{least:?}");
+        assert_eq!(least.b, "table");
+    }
+
+    #[test]
+    fn an_object_dragged_through_the_table_is_found_by_its_depth() {
+        let shallow = Pick { carry_height: GRASP_HEIGHT - 0.000_45, ..GOOD };
+        assert_eq!(violated(&scene(vec![]), &plan(&shallow)), vec![]);
+        let deep = Pick { carry_height: GRASP_HEIGHT - 0.000_55, ..GOOD };
+        assert_eq!(violated(&scene(vec![]), &plan(&deep)), vec![triple("cube", "table", "lift")]);
+    }
+
+    #[test]
+    fn a_held_object_keeps_clear_of_what_does_not_support_it() {
+        // Its foot passes 85 mm above the table, 1 mm above this wall, of which 2 mm are required.
+        let wall = || ("wall", boxed(0.005, 0.1, 0.052), at(0.1, 0.0, 0.052));
+        let low = Pick { carry_height: 0.18, ..GOOD };
+        assert_eq!(violated(&scene(vec![wall()]), &plan(&low))[0], triple("finger_left", "wall", "carry"));
+        let wall = ("wall", boxed(0.005, 0.1, 0.0435), at(0.1, 0.0, 0.0435));
+        let nearer = Pick { grasp_height: 0.085 + 0.01, carry_height: 0.095 + 0.088, ..GOOD };
+        assert_eq!(violated(&scene(vec![wall]), &plan(&nearer)), vec![triple("cube", "wall", "carry")]);
+    }
+
+    #[test]
+    fn fingers_that_do_not_clear_the_object_on_the_way_down_are_found() {
+        let narrow = Pick { opening: WIDTH + 0.000_3, ..GOOD };
+        let found = violated(&scene(vec![]), &plan(&narrow));
+        assert!(found.contains(&triple("cube", "finger_left", "descend")), "{found:?}");
+        let enough = Pick { opening: WIDTH + 0.000_5, ..GOOD };
+        assert_eq!(violated(&scene(vec![]), &plan(&enough)), vec![]);
+    }
+
+    #[test]
+    fn a_rule_that_names_the_pair_replaces_the_margin_of_the_approach() {
+        use graspcheck_model::cell::PairRule;
+        let table = ("table", boxed(0.5, 0.5, 0.05), at(0.0, 0.0, -0.05));
+        let mut cell = fixtures::cell(0.002, vec![table]);
+        let rule = |a: &str, b: &str, required| PairRule {
+            a: a.to_owned(),
+            b: b.to_owned(),
+            required,
+            reason: "a test".to_owned(),
+        };
+        cell.clearance.pairs = vec![rule("cube", "gripper", 0.006)];
+        let strict = Scene::new(&gantry(), &cell, Some(&cube())).unwrap();
+        assert!(violated(&strict, &plan(&GOOD)).contains(&triple("cube", "finger_left", "descend")));
+        // A rule that names the finger counts more than one that names the gripper.
+        cell.clearance.pairs.push(rule("finger_left", "cube", 0.0));
+        cell.clearance.pairs.push(rule("cube", "finger_right", 0.0));
+        let loose = Scene::new(&gantry(), &cell, Some(&cube())).unwrap();
+        assert_eq!(violated(&loose, &plan(&GOOD)), vec![]);
+    }
+
+    #[test]
+    fn a_place_one_millimetre_above_a_shelf_is_supported_by_it() {
+        let shelf = |top: f64| ("shelf", boxed(0.05, 0.05, 0.01), at(0.2, 0.0, top - 0.01));
+        let high = Pick { place_height: GRASP_HEIGHT + 0.021, ..GOOD };
+        let good = scene(vec![shelf(0.02)]);
+        assert_eq!(violated(&good, &plan(&high)), vec![]);
+        let support = |pair: &&RequiredPair| pair.b == "shelf" && pair.reason.is_some();
+        let pairs = good.pairs(&plan(&high));
+        let phases: Vec<_> = pairs.iter().filter(support).map(|pair| pair.phase.as_deref()).collect();
+        assert_eq!(phases, ["lift", "carry", "lower", "open", "retreat"].map(Some));
+        // 2 mm above it, it does not stand on it and is too near in the phases that hold it.
+        let higher = Pick { place_height: GRASP_HEIGHT + 0.0215, ..GOOD };
+        assert_eq!(violated(&good, &plan(&higher)), vec![triple("cube", "shelf", "lower")]);
+    }
+
+    #[test]
+    fn an_object_put_into_a_wall_is_found() {
+        let wall = ("wall", boxed(0.01, 0.1, 0.03), at(0.225, 0.0, 0.03));
+        let found = violated(&scene(vec![wall]), &plan(&GOOD));
+        assert!(found.contains(&triple("cube", "wall", "lower")), "{found:?}");
+    }
+
+    #[test]
+    fn a_plan_that_carries_without_a_grasp_is_not_checked() {
+        let mut lost = plan(&GOOD);
+        lost.grasp = None;
+        let certificate = scene(vec![]).certify(&lost);
+        assert_eq!(certificate.outcome(), ProofOutcome::NotChecked);
+        let PairVerdict::NotChecked { reason } = &certificate.pairs[0].verdict else {
+            panic!("{certificate:?}")
+        };
+        assert_eq!(reason, "object cube: the plan moves it but has no grasp");
+    }
+
+    #[test]
+    fn pairs_that_may_touch_say_why_and_how_deep() {
+        let pairs = scene(vec![]).pairs(&plan(&GOOD));
+        let find = |phase: Option<&str>, a: &str, b: &str| {
+            pairs.iter().find(|p| p.phase.as_deref() == phase && p.a == a && p.b == b).cloned().unwrap()
+        };
+        let grip = find(Some("carry"), "cube", "finger_left");
+        assert_eq!(grip.required, Some(-DEPTH_LIMIT));
+        assert_eq!(grip.reason.as_deref(), Some("the fingers hold the object"));
+        assert_eq!(find(Some("descend"), "cube", "finger_left").required, Some(APPROACH_MARGIN));
+        assert_eq!(find(Some("descend"), "cube", "table").required, Some(-DEPTH_LIMIT));
+        assert_eq!(find(Some("carry"), "hand", "table").required, Some(0.002));
+        let shared = find(None, "carriage", "hand");
+        assert_eq!(shared.reason.as_deref(), Some("they share the joint z"));
+    }
+}

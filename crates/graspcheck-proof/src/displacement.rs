@@ -127,7 +127,8 @@ impl<'s> Moment<'s> {
     ///
     /// The pair must have been asked for by [`Moment::placed`] at this setting.
     pub(crate) fn loss(&self, pair: PartPair, requirement: &Requirement, n: &Vector3<f64>) -> f64 {
-        self.approach(pair.a, requirement.first_joint, n) + self.approach(pair.b, requirement.first_joint, &-n)
+        self.approach(pair.a, requirement.first_joint, n)
+            + self.approach(pair.b, requirement.first_joint, &-n)
     }
 
     /// B1: how far the joints from `first` on can move a part along `n`, m.
@@ -173,8 +174,7 @@ impl<'s> Moment<'s> {
                 let finger = &scene.robot.gripper.fingers[index];
                 let axis = finger.axis.into_inner();
                 let world_from_closed = self.world_from_link[last] * finger.link_from_finger;
-                let world_from_finger =
-                    world_from_closed * Translation3::from(axis * self.finger.reference);
+                let world_from_finger = world_from_closed * Translation3::from(axis * self.finger.reference);
                 state.place = Place::from(&(world_from_finger * mount.carrier_from_solid));
                 state.finger_axis = world_from_closed.rotation * axis;
             }
@@ -227,4 +227,164 @@ fn half_opening(opening: Range, least: f64) -> Range {
     let low = (opening.reference - opening.below).max(least);
     let high = (opening.reference + opening.above).max(least);
     Range { reference: 0.5 * reference, below: 0.5 * (reference - low), above: 0.5 * (high - reference) }
+}
+
+#[cfg(test)]
+mod tests {
+    use graspcheck_model::{
+        plan::{Holding, Plan},
+        robot::RobotModel,
+    };
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::{
+        fixtures::{self, Draw},
+        stretch::{middle, stretches},
+    };
+
+    /// A chain of up to six joints with skewed axes and offsets, a box on each link, and an obstacle.
+    fn random_chain(draw: &mut Draw, parallel: bool) -> RobotModel {
+        let dof = draw.between(1.0, 6.999) as usize;
+        let mut joints = Vec::new();
+        let mut links = Vec::new();
+        for index in 0..dof {
+            let mut vector = |half: f64| Vector3::from_fn(|_, _| draw.between(-half, half));
+            let (offset, turn, axis) = (vector(0.5), vector(3.0), vector(1.0));
+            let (half, place) = (vector(0.2).abs().add_scalar(0.01), Pose::new(vector(0.3), vector(3.0)));
+            let parent = Pose::new(offset, if parallel { Vector3::z() * turn.z } else { turn });
+            let axis = if parallel { Vector3::z() } else { axis };
+            let slides = draw.between(0.0, 1.0) < 0.3;
+            let kind = if slides { JointKind::Prismatic } else { JointKind::Revolute };
+            joints.push(fixtures::joint(&format!("joint_{index}"), kind, parent, axis));
+            let shape = fixtures::boxed(half.x, half.y, half.z);
+            links.push(fixtures::link(&format!("link_{index}"), vec![(place, shape)]));
+        }
+        fixtures::robot(joints, links)
+    }
+
+    fn random_plan(draw: &mut Draw, dof: usize, reach: f64) -> Plan {
+        let mut some = |reach: f64| (0..dof).map(|_| draw.between(-reach, reach)).collect::<Vec<_>>();
+        let (from, to) = (some(2.0), some(reach));
+        let to: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + b).collect();
+        fixtures::rest_to_rest(&from, &to, 1.0)
+    }
+
+    /// Eight corners of a part's box in the world.
+    fn corners(moment: &mut Moment, pair: PartPair, half: &Vector3<f64>) -> [Vector3<f64>; 8] {
+        let [a, _] = moment.placed(pair);
+        std::array::from_fn(|i| {
+            let sign = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+            let corner = half.component_mul(&Vector3::new(sign(0), sign(1), sign(2)));
+            a.place.center + a.place.rotation * corner
+        })
+    }
+
+    fn no_corner_goes_farther(seed: u64, reach: f64, parallel: bool) {
+        let mut draw = Draw(seed);
+        let robot = random_chain(&mut draw, parallel);
+        let obstacle = ("obstacle", fixtures::boxed(0.1, 0.1, 0.1), fixtures::at(3.0, 0.0, 0.0));
+        let scene = Scene::new(&robot, &fixtures::cell(0.0, vec![obstacle]), None).unwrap();
+        let plan = random_plan(&mut draw, robot.dof(), reach);
+        let stage = Stage::new(&scene, &plan, Holding::Nothing).unwrap();
+        let stretch = &stretches(&plan, robot.dof()).unwrap()[0];
+        let (start, end) = (draw.between(0.0, 0.5), draw.between(0.5, 1.0));
+        let n = Vector3::from_fn(|_, _| draw.between(-1.0, 1.0)).normalize();
+        for (index, pair) in scene.pairs.iter().enumerate() {
+            let crate::solid::Core::Box { half_extents } = scene.parts[pair.a].solid.core() else { continue };
+            if scene.parts[pair.b].mount.carrier != Carrier::World {
+                continue;
+            }
+            let requirement = &stage.requirements[index];
+            let mut moment = Moment::new(&scene, &stage);
+            moment.set(&stage, stretch, start, end);
+            let before = corners(&mut moment, *pair, half_extents);
+            let loss = moment.loss(*pair, requirement, &n);
+            for step in 0..=20 {
+                let t = start + (end - start) * f64::from(step) / 20.0;
+                moment.set(&stage, stretch, t, t);
+                let after = corners(&mut moment, *pair, half_extents);
+                for (p, q) in before.iter().zip(after) {
+                    let moved = n.dot(&(q - p));
+                    assert!(moved <= loss + 1e-10, "part {}: moved {moved}, bound {loss}", pair.a);
+                }
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+
+        #[test]
+        fn no_point_goes_farther_than_the_bound(seed: u64, reach in 0.001..4.0_f64, parallel: bool) {
+            no_corner_goes_farther(seed, reach, parallel);
+        }
+
+        /// For any two parts, moving or not: the distance at any instant of an interval is at least the gap
+        /// at its middle, across any normal, less the loss.
+        #[test]
+        fn no_gap_shrinks_by_more_than_the_loss(seed: u64, reach in 0.001..2.0_f64, parallel: bool) {
+            let mut draw = Draw(seed);
+            let robot = random_chain(&mut draw, parallel);
+            let obstacle = ("obstacle", fixtures::boxed(0.1, 0.1, 0.1), fixtures::at(1.0, 0.0, 0.0));
+            let scene = Scene::new(&robot, &fixtures::cell(0.0, vec![obstacle]), None).unwrap();
+            let plan = random_plan(&mut draw, robot.dof(), reach);
+            let stage = Stage::new(&scene, &plan, Holding::Nothing).unwrap();
+            let stretch = &stretches(&plan, robot.dof()).unwrap()[0];
+            let (start, end) = (draw.between(0.2, 0.5), draw.between(0.5, 0.8));
+            let mut moment = Moment::new(&scene, &stage);
+            for (pair, requirement) in scene.pairs.iter().zip(&stage.requirements) {
+                moment.set(&stage, stretch, start, end);
+                let [a, b] = moment.placed(*pair);
+                let best = crate::gap::separation(&a, &b, None, 0.0).unwrap();
+                let turned = best.normal + Vector3::from_fn(|_, _| draw.between(-0.3, 0.3));
+                for n in [best.normal, turned.normalize()] {
+                    moment.set(&stage, stretch, start, end);
+                    let [a, b] = moment.placed(*pair);
+                    let least = crate::gap::gap(&a, &b, &n) - moment.loss(*pair, requirement, &n);
+                    for step in 0..=20 {
+                        let t = start + (end - start) * f64::from(step) / 20.0;
+                        moment.set(&stage, stretch, t, t);
+                        let [a, b] = moment.placed(*pair);
+                        let then = crate::gap::separation(&a, &b, None, 0.0).unwrap();
+                        prop_assert!(then.upper >= least, "{then:?} {least}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_sweep_along_a_face_costs_nothing_and_a_slide_is_signed() {
+        let table = ("table", fixtures::boxed(1.0, 1.0, 0.05), fixtures::at(0.0, 0.0, -0.05));
+        let scene = Scene::new(&fixtures::scara(), &fixtures::cell(0.0, vec![table]), None).unwrap();
+        let up = fixtures::rest_to_rest(&[0.0, 0.0, -0.1, 0.0], &[1.0, 2.0, 0.0, 3.0], 1.0);
+        let stage = Stage::new(&scene, &up, Holding::Nothing).unwrap();
+        let mut moment = Moment::new(&scene, &stage);
+        let stretch = &stretches(&up, 4).unwrap()[0];
+        moment.set(&stage, stretch, 0.0, 1.0);
+        let loss = |moment: &mut Moment, name: &str| {
+            let a = scene.bodies.iter().find(|body| body.name == name).unwrap().first_part;
+            let index = scene.pairs.iter().position(|pair| pair.a == a).unwrap();
+            moment.placed(scene.pairs[index]);
+            moment.loss(scene.pairs[index], &stage.requirements[index], &-Vector3::z())
+        };
+        assert!(loss(&mut moment, "forearm").abs() < 1e-15);
+        // From the middle of the stroke the hand can come 50 mm nearer to the table, by having been there.
+        assert!((loss(&mut moment, "hand") - 0.05).abs() < 1e-12);
+        // On the later half it only rises.
+        moment.set(&stage, stretch, 0.5, 1.0);
+        let reference = up.trajectory.eval(middle(0.5, 1.0)).q[2];
+        assert!((loss(&mut moment, "hand") - (reference + 0.05)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_pads_stop_at_the_width_of_the_object() {
+        let closing = Range { reference: 0.04, below: 0.02, above: 0.01 };
+        let finger = half_opening(closing, 0.03);
+        assert_eq!(finger.reference, 0.02);
+        assert!((finger.below - 0.005).abs() < 1e-15 && (finger.above - 0.005).abs() < 1e-15);
+        let closed = half_opening(Range { reference: 0.01, below: 0.01, above: 0.01 }, 0.03);
+        assert_eq!(closed, Range { reference: 0.015, below: 0.0, above: 0.0 });
+    }
 }

@@ -32,10 +32,24 @@ pub const LARGEST_COORDINATE: f64 = 1e4;
 pub const FINEST_TOLERANCE: f64 = 1e-7;
 
 /// A certified lower bound on the signed distance of A and B, m, by the slab across `n` (of length 1, from A
-/// to B).
+/// to B). Where a solid is farther out than [`LARGEST_COORDINATE`] it is minus infinity, and NaN where a
+/// number is: no comparison then proves anything.
 #[must_use]
 pub fn gap(a: &Placed, b: &Placed, n: &Vector3<f64>) -> f64 {
+    if !(is_near(a) && is_near(b)) {
+        return f64::NEG_INFINITY;
+    }
     n.dot(&(b.place.center - a.place.center)) - a.reach(n) - b.reach(&-n) - GAP_SLACK
+}
+
+/// A direction of length 1 from A to B to begin with, good when one of them is small or far: two steps of
+/// alternating projection between the cores.
+#[must_use]
+pub fn first_normal(a: &Placed, b: &Placed) -> Vector3<f64> {
+    let on_a = a.core_nearest(&b.core_nearest(&a.place.center));
+    let across = b.core_nearest(&on_a) - on_a;
+    let between = || (b.place.center - a.place.center).try_normalize(1e-12);
+    across.try_normalize(1e-9).or_else(between).unwrap_or_else(Vector3::z)
 }
 
 /// What is known of the signed distance of two solids A and B.
@@ -59,39 +73,52 @@ pub struct Separation {
 /// None when it cannot be computed: a coordinate is not finite or larger than [`LARGEST_COORDINATE`], or the
 /// search failed. That means *not checked*, never *free*.
 #[must_use]
-pub fn separation(
-    a: &Placed,
-    b: &Placed,
-    hint: Option<&Vector3<f64>>,
-    tolerance: f64,
-) -> Option<Separation> {
+pub fn separation(a: &Placed, b: &Placed, hint: Option<&Vector3<f64>>, tolerance: f64) -> Option<Separation> {
     if !(is_sane(a) && is_sane(b)) {
         return None;
     }
     let between = b.place.center - a.place.center;
     let start = hint.copied().unwrap_or(between);
     let start = if start.norm_squared() > 0.0 { start } else { Vector3::z() };
-    let [core_a, core_b, proposed] = core_points(a, b, &start)?;
-    let across = core_b - core_a;
-    let distance = across.norm();
+    let [mut core_a, mut core_b, proposed] = core_points(a, b, &start)?;
 
     let mut best = Best { a, b, lower: f64::NEG_INFINITY, normal: Vector3::z() };
-    best.propose(&across);
+    best.propose(&(core_b - core_a));
     best.propose(&proposed);
-    let upper = distance - a.solid.radius() - b.solid.radius();
+    let upper =
+        |on_a: Vector3<f64>, on_b: Vector3<f64>| (on_b - on_a).norm() - a.solid.radius() - b.solid.radius();
     let tolerance = tolerance.max(FINEST_TOLERANCE);
-    if best.lower < upper - tolerance {
+    if best.lower < upper(core_a, core_b) - tolerance {
+        draw_together(a, b, &mut core_a, &mut core_b);
+        best.propose(&(core_b - core_a));
         best.propose(&start);
         best.propose(&between);
         best.propose_features();
     }
+    let upper = upper(core_a, core_b);
     if best.lower < upper - tolerance {
         best.polish();
     }
     let normal = best.normal;
-    let points = [core_a + normal * a.solid.radius(), core_b - normal * b.solid.radius()];
+    let towards = (core_b - core_a).try_normalize(1e-12).unwrap_or(normal);
+    let points = [core_a + towards * a.solid.radius(), core_b - towards * b.solid.radius()];
     let known = best.lower.is_finite() && upper.is_finite() && best.lower <= upper;
     known.then_some(Separation { lower: best.lower, upper, normal, points })
+}
+
+/// Draws a point of the core of A and one of B nearer to each other by alternating projection. The search
+/// stops within some 1e-5 m on curved cores.
+fn draw_together(a: &Placed, b: &Placed, on_a: &mut Vector3<f64>, on_b: &mut Vector3<f64>) {
+    const STEPS: usize = 30;
+    let is_hull = |solid: &Placed| matches!(solid.solid.core(), Core::Points { .. });
+    for _ in 0..STEPS {
+        if !is_hull(a) {
+            *on_a = a.core_nearest(on_b);
+        }
+        if !is_hull(b) {
+            *on_b = b.core_nearest(on_a);
+        }
+    }
 }
 
 /// A point that lies in both solids at least as deep as they then provably overlap, when that is at least
@@ -118,11 +145,14 @@ pub fn overlap_of_at_least(a: &Placed, b: &Placed, depth: f64) -> Option<Vector3
     })
 }
 
-/// Whether rounding is far below the slack.
+/// Whether the solid is so near to the origin that rounding is far below the slack.
+fn is_near(solid: &Placed) -> bool {
+    solid.place.center.amax() + solid.solid.bounding_radius() < LARGEST_COORDINATE
+}
+
+/// Whether the search may be called: it panics on numbers that are not finite.
 fn is_sane(solid: &Placed) -> bool {
-    let place = &solid.place;
-    place.center.iter().all(|x| x.abs() + solid.solid.bounding_radius() < LARGEST_COORDINATE)
-        && place.rotation.iter().all(|x| x.is_finite())
+    is_near(solid) && solid.place.center.iter().chain(&solid.place.rotation).all(|x| x.is_finite())
 }
 
 /// A point of the core of A and one of the core of B, as close as the search found them (coincident when
@@ -251,6 +281,202 @@ fn axes(solid: &Placed) -> [Option<Vector3<f64>>; 3] {
     match solid.solid.core() {
         Core::Box { .. } => [column(0), column(1), column(2)],
         Core::Cylinder { .. } | Core::Segment { .. } => [column(2), None, None],
-        Core::Point | Core::Points(_) => [None; 3],
+        Core::Point | Core::Points { .. } => [None; 3],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use graspcheck_model::Pose;
+    use parry3d::{query, shape::Cuboid};
+
+    use super::*;
+    use crate::{
+        fixtures::Draw,
+        solid::{
+            Place,
+            tests::{cores, point_of},
+        },
+    };
+
+    fn random_place(draw: &mut Draw, half: f64) -> Place {
+        let mut vector = |half: f64| Vector3::from_fn(|_, _| draw.between(-half, half));
+        Place::from(&Pose::new(vector(half), vector(std::f64::consts::PI)))
+    }
+
+    fn cuboid(x: f64, y: f64, z: f64) -> Solid {
+        Solid::new(Core::Box { half_extents: Vector3::new(x, y, z) }, 0.0)
+    }
+
+    /// Random points of both solids are never nearer than the lower bound, the witness points are as far
+    /// apart as the upper bound, and the bounds meet: together they are the distance. One is proved by
+    /// support functions and one by points, so that neither can lean on the search.
+    #[test]
+    fn bounds_enclose_the_distance_of_all_kinds_of_solids_and_meet() {
+        let mut draw = Draw(11);
+        let (mut apart, mut loosest) = (0, 0.0_f64);
+        for _ in 0..150 {
+            for (core_a, core_b) in
+                cores(&mut draw).iter().flat_map(|a| cores(&mut Draw(5)).map(|b| (a.clone(), b)))
+            {
+                let solid_a = Solid::new(core_a, draw.between(0.0, 0.05));
+                let solid_b = Solid::new(core_b, draw.between(0.0, 0.05));
+                let a = Placed { solid: &solid_a, place: random_place(&mut draw, 0.5) };
+                let b = Placed { solid: &solid_b, place: random_place(&mut draw, 0.5) };
+                let known = separation(&a, &b, None, 0.0).expect("the search ends");
+                assert!((known.normal.norm() - 1.0).abs() < 1e-12);
+                let radii = solid_a.radius() + solid_b.radius();
+                for _ in 0..20 {
+                    let world = |s: &Placed, p: Vector3<f64>| s.place.center + s.place.rotation * p;
+                    let p = world(&a, point_of(solid_a.core(), &mut draw));
+                    let q = world(&b, point_of(solid_b.core(), &mut draw));
+                    assert!((q - p).norm() - radii >= known.lower, "{known:?}");
+                }
+                if known.upper > 1e-9 {
+                    apart += 1;
+                    let [p, q] = known.points;
+                    assert!(((q - p).norm() - known.upper).abs() < 1e-9, "{known:?}");
+                    loosest = loosest.max(known.upper - known.lower);
+                }
+            }
+        }
+        assert!(apart > 500, "{apart}");
+        assert!(loosest < 5e-7, "{loosest}");
+    }
+
+    fn parry_pose(pose: &Pose) -> math::Pose {
+        let (t, r) = (pose.translation.vector, pose.rotation.scaled_axis());
+        math::Pose::new(math::Vector::new(t.x, t.y, t.z), math::Vector::new(r.x, r.y, r.z))
+    }
+
+    /// Boxes as parry's shapes, by its own closest points (not its distance), as an independent witness.
+    #[test]
+    fn boxes_agree_with_parry_and_with_alternating_projection() {
+        let mut draw = Draw(12);
+        for _ in 0..300 {
+            let mut half = || draw.between(0.05, 0.3);
+            let (ha, hb) = (Vector3::new(half(), half(), half()), Vector3::new(half(), half(), half()));
+            let (solid_a, solid_b) = (cuboid(ha.x, ha.y, ha.z), cuboid(hb.x, hb.y, hb.z));
+            let pose = |draw: &mut Draw| {
+                let mut vector = |half: f64| Vector3::from_fn(|_, _| draw.between(-half, half));
+                Pose::new(vector(0.6), vector(3.0))
+            };
+            let (pose_a, pose_b) = (pose(&mut draw), pose(&mut draw));
+            let a = Placed { solid: &solid_a, place: Place::from(&pose_a) };
+            let b = Placed { solid: &solid_b, place: Place::from(&pose_b) };
+            let known = separation(&a, &b, None, 0.0).unwrap();
+            let parry = |h: Vector3<f64>| Cuboid::new(math::Vector::new(h.x, h.y, h.z));
+            let found = query::closest_points(
+                &parry_pose(&pose_a),
+                &parry(ha),
+                &parry_pose(&pose_b),
+                &parry(hb),
+                f64::MAX,
+            );
+            match found.unwrap() {
+                query::ClosestPoints::WithinMargin(p, q) => {
+                    assert!(((q - p).length() - known.upper).abs() < 1e-8, "{known:?}");
+                    let mut on_a = a.place.center;
+                    let mut on_b = b.place.center;
+                    for _ in 0..20_000 {
+                        on_b = b.core_nearest(&on_a);
+                        on_a = a.core_nearest(&on_b);
+                    }
+                    let projected = (on_b - on_a).norm();
+                    assert!(
+                        projected >= known.lower && projected < known.upper + 1e-4,
+                        "{known:?} {projected}"
+                    );
+                }
+                _ => assert!(known.upper <= 1e-12, "{known:?}"),
+            }
+        }
+    }
+
+    /// The separating axis theorem gives the exact depth of overlapping boxes (Ericson, *Real-Time
+    /// Collision Detection*, section 4.4.1): the least overlap over 15 axes.
+    #[test]
+    fn overlapping_boxes_have_the_depth_of_the_separating_axis_test() {
+        let mut draw = Draw(13);
+        let mut overlapping = 0;
+        for _ in 0..2000 {
+            let mut half = || draw.between(0.05, 0.3);
+            let (ha, hb) = (Vector3::new(half(), half(), half()), Vector3::new(half(), half(), half()));
+            let (solid_a, solid_b) = (cuboid(ha.x, ha.y, ha.z), cuboid(hb.x, hb.y, hb.z));
+            let a = Placed { solid: &solid_a, place: random_place(&mut draw, 0.3) };
+            let b = Placed { solid: &solid_b, place: random_place(&mut draw, 0.3) };
+            let known = separation(&a, &b, None, 0.0).unwrap();
+            if known.upper > 1e-9 {
+                continue;
+            }
+            overlapping += 1;
+            let corners = |h: Vector3<f64>, place: Place| {
+                (0..8).map(move |i| {
+                    let sign = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+                    place.center + place.rotation * Vector3::new(h.x * sign(0), h.y * sign(1), h.z * sign(2))
+                })
+            };
+            let column = |place: &Place, i: usize| place.rotation.column(i).into_owned();
+            let mut axes: Vec<Vector3<f64>> = (0..3).map(|i| column(&a.place, i)).collect();
+            axes.extend((0..3).map(|i| column(&b.place, i)));
+            for i in 0..3 {
+                axes.extend((0..3).map(|j| column(&a.place, i).cross(&column(&b.place, j))));
+            }
+            let depth = axes
+                .iter()
+                .filter_map(|axis| axis.try_normalize(1e-6))
+                .map(|n| {
+                    let range = |h, place| {
+                        corners(h, place).map(|p| p.dot(&n)).fold((f64::MAX, f64::MIN), |(low, high), x| {
+                            (f64::min(low, x), f64::max(high, x))
+                        })
+                    };
+                    let ((la, ua), (lb, ub)) = (range(ha, a.place), range(hb, b.place));
+                    (ua - lb).min(ub - la)
+                })
+                .fold(f64::MAX, f64::min);
+            assert!((known.lower + depth).abs() < 1e-8, "{known:?} {depth}");
+            // What is shown to overlap is never deeper than it is.
+            for share in [0.3, 0.9, 1.01, 2.0] {
+                let shown = overlap_of_at_least(&a, &b, share * depth);
+                assert!(share <= 1.0 || shown.is_none(), "{share} of {depth}");
+            }
+        }
+        assert!(overlapping > 300, "{overlapping}");
+    }
+
+    #[test]
+    fn face_to_face_overlap_is_shown_to_its_depth() {
+        let (solid_a, solid_b) = (cuboid(0.1, 0.1, 0.1), cuboid(0.2, 0.2, 0.05));
+        let place = |z| Place::from(&Pose::translation(0.0, 0.0, z));
+        let a = Placed { solid: &solid_a, place: place(0.149) };
+        let b = Placed { solid: &solid_b, place: place(0.0) };
+        assert!(overlap_of_at_least(&a, &b, 0.000_99).is_some());
+        assert!(overlap_of_at_least(&a, &b, 0.001_01).is_none());
+    }
+
+    /// Two boxes that differ by a yaw only: parry's `query::distance` says 0.150 m (dimforge/parry#431).
+    #[test]
+    fn yawed_boxes_that_parry_calls_far_are_near() {
+        let (solid_a, solid_b) =
+            (cuboid(0.2125, 0.06, 0.05), cuboid(0.142_175_089_331_625_18, 0.140_950_424_463_209_27, 0.3));
+        let pose_a = Pose::new(Vector3::new(0.0, 0.0, 0.1), Vector3::z() * 3.8198);
+        let pose_b = Pose::translation(-0.017_969_746_352_588_346, 0.335_720_742_499_299_95, 0.0);
+        let a = Placed { solid: &solid_a, place: Place::from(&pose_a) };
+        let b = Placed { solid: &solid_b, place: Place::from(&pose_b) };
+        let known = separation(&a, &b, None, 0.0).unwrap();
+        assert!(known.upper - known.lower < 2e-9 && (known.upper - 0.015_17).abs() < 1e-5, "{known:?}");
+    }
+
+    #[test]
+    fn what_is_not_finite_is_not_checked() {
+        let solid = cuboid(0.1, 0.1, 0.1);
+        let sane = Placed { solid: &solid, place: Place::from(&Pose::identity()) };
+        for x in [f64::NAN, f64::INFINITY, 2.0 * LARGEST_COORDINATE] {
+            let place = Place { center: Vector3::new(x, 0.0, 0.0), ..sane.place };
+            assert_eq!(separation(&sane, &Placed { solid: &solid, place }, None, 0.0), None);
+        }
+        let coincident = separation(&sane, &sane, None, 0.0).unwrap();
+        assert!((coincident.lower + 0.2).abs() < 1e-8 && coincident.upper <= 1e-12, "{coincident:?}");
     }
 }

@@ -19,6 +19,8 @@ mod chain;
 pub mod contact;
 mod displacement;
 mod error;
+#[cfg(test)]
+mod fixtures;
 pub mod gap;
 pub mod hull;
 pub mod minimum;
@@ -27,9 +29,7 @@ pub mod scene;
 pub mod solid;
 mod stretch;
 
-pub use certificate::{
-    Certificate, Doubt, Leaf, PairCertificate, PairVerdict, ProofOutcome, Violation,
-};
+pub use certificate::{Certificate, Doubt, Leaf, PairCertificate, PairVerdict, ProofOutcome, Violation};
 pub use contact::{Contact, RequiredPair};
 pub use error::SceneError;
 pub use hull::hull_triangles;

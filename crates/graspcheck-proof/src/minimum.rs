@@ -10,10 +10,10 @@ use graspcheck_model::plan::Plan;
 use nalgebra::Vector3;
 
 use crate::{
+    certify::{SHORTEST_INTERVAL, Stages, stage_of},
     contact::Requirement,
-    certify::{SHORTEST_INTERVAL, Stages, first_normal, stage_of},
     displacement::Moment,
-    gap::{gap, overlap_of_at_least, separation},
+    gap::{first_normal, gap, overlap_of_at_least, separation},
     scene::Scene,
     solid::Placed,
     stretch::{Stretch, middle, stretches},

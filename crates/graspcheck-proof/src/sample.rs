@@ -4,11 +4,11 @@ use graspcheck_model::{Pose, plan::Plan};
 use nalgebra::Vector3;
 
 use crate::{
-    certify::{Stages, first_normal},
+    certify::Stages,
     chain::Carrier,
     contact::Stage,
     displacement::Moment,
-    gap::{FINEST_TOLERANCE, gap, separation},
+    gap::{FINEST_TOLERANCE, first_normal, gap, separation},
     scene::Scene,
 };
 

@@ -133,7 +133,8 @@ impl Scene {
     fn add_bodies(&mut self, cell: &Cell) -> Result<(), SceneError> {
         let robot = self.robot.clone();
         let add_link = |scene: &mut Self, link: &Link, kind, carrier, carrier_from_body: Pose| {
-            let shapes = link.shapes.iter().map(|PlacedShape { body_from_shape, shape }| (shape, *body_from_shape));
+            let shapes =
+                link.shapes.iter().map(|PlacedShape { body_from_shape, shape }| (shape, *body_from_shape));
             scene.add_body(&link.name, kind, carrier, carrier_from_body, shapes)
         };
         add_link(self, &robot.base, Kind::Base, Carrier::World, robot.world_from_base)?;
@@ -228,11 +229,11 @@ impl Scene {
         let all = || 0..self.bodies.len();
         let mut candidates: Vec<(usize, usize)> = Vec::new();
         let robot_cell = all().flat_map(|a| all().map(move |b| (a, b)));
-        candidates.extend(robot_cell.filter(|&(a, b)| is_robot(a) && !is(a, Kind::Base) && is(b, Kind::Cell)));
+        candidates
+            .extend(robot_cell.filter(|&(a, b)| is_robot(a) && !is(a, Kind::Base) && is(b, Kind::Cell)));
         let robot_robot = all().flat_map(|a| (a + 1..self.bodies.len()).map(move |b| (a, b)));
-        candidates.extend(
-            robot_robot.filter(|&(a, b)| is_robot(a) && is_robot(b) && self.excuse(a, b).is_none()),
-        );
+        candidates
+            .extend(robot_robot.filter(|&(a, b)| is_robot(a) && is_robot(b) && self.excuse(a, b).is_none()));
         for object in all().filter(|&body| is(body, Kind::Object)) {
             candidates.extend(all().filter(|&b| is(b, Kind::Cell)).map(|b| (object, b)));
             candidates.extend(all().filter(|&b| is_robot(b)).map(|b| (object, b)));

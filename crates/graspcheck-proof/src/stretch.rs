@@ -95,9 +95,8 @@ fn value(polynomial: &Polynomial, tau: f64) -> f64 {
 /// Says in words what is wrong with the plan.
 pub(crate) fn stretches(plan: &Plan, dof: usize) -> Result<Vec<Stretch<'_>>, String> {
     check(plan, dof)?;
-    let mut cuts: Vec<f64> = Vec::with_capacity(
-        plan.trajectory.knots().len() + plan.opening.knots().len() + plan.phases.len(),
-    );
+    let mut cuts: Vec<f64> =
+        Vec::with_capacity(plan.trajectory.knots().len() + plan.opening.knots().len() + plan.phases.len());
     cuts.extend_from_slice(plan.trajectory.knots());
     cuts.extend_from_slice(plan.opening.knots());
     cuts.extend(plan.phases.iter().map(|phase| phase.end));

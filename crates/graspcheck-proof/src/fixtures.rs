@@ -1,0 +1,132 @@
+//! Small robots, cells and plans made by code, for tests and benches.
+
+use graspcheck_model::{
+    Pose,
+    cell::{Cell, CellBody, ClearanceRule},
+    inertia::Inertial,
+    plan::{Holding, Phase, Plan},
+    robot::{Family, Finger, Gripper, Joint, JointKind, JointLimits, Link, RobotModel},
+    shape::{PlacedShape, Shape},
+};
+use graspcheck_motion::{Polynomial, Trajectory};
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
+
+pub(crate) fn at(x: f64, y: f64, z: f64) -> Pose {
+    Pose::translation(x, y, z)
+}
+
+pub(crate) fn boxed(x: f64, y: f64, z: f64) -> Shape {
+    Shape::Box { half_extents: Vector3::new(x, y, z) }
+}
+
+pub(crate) fn joint(name: &str, kind: JointKind, parent_from_joint: Pose, axis: Vector3<f64>) -> Joint {
+    let limits = JointLimits {
+        position_min: -10.0,
+        position_max: 10.0,
+        velocity: 10.0,
+        acceleration: 100.0,
+        jerk: 1e4,
+        effort: 100.0,
+    };
+    let axis = Unit::new_normalize(axis);
+    let name = name.to_owned();
+    Joint { name, kind, parent_from_joint, axis, limits, damping: 0.0, friction: 0.0, rotor_inertia: 0.0 }
+}
+
+pub(crate) fn link(name: &str, shapes: Vec<(Pose, Shape)>) -> Link {
+    let inertial = Inertial { mass: 1.0, center: Point3::origin(), tensor: Matrix3::identity() };
+    let place = |(body_from_shape, shape)| PlacedShape { body_from_shape, shape };
+    Link { name: name.to_owned(), inertial, shapes: shapes.into_iter().map(place).collect() }
+}
+
+/// An arm at the world's origin whose gripper points along -z of the last link. Its fingers, 10 mm thick,
+/// 20 mm wide and 40 mm long, close along y, and their tips are 30 mm below the tool frame.
+pub(crate) fn robot(joints: Vec<Joint>, links: Vec<Link>) -> RobotModel {
+    let link_from_tool = Isometry3::from_parts(
+        Translation3::new(0.0, 0.0, -0.06),
+        UnitQuaternion::from_axis_angle(&Vector3::y_axis(), std::f64::consts::FRAC_PI_2),
+    );
+    let finger = |name: &str, side: f64| Finger {
+        link: link(name, vec![(at(0.0, 0.005 * side, -0.01), boxed(0.01, 0.005, 0.02))]),
+        joint: format!("{name}_slide"),
+        link_from_finger: at(0.0, 0.0, -0.06),
+        axis: Unit::new_normalize(Vector3::new(0.0, side, 0.0)),
+    };
+    RobotModel {
+        name: "fixture".to_owned(),
+        family: Family::General,
+        world_from_base: Pose::identity(),
+        base: link("base", vec![]),
+        joints,
+        links,
+        link_from_tool,
+        gripper: Gripper {
+            fingers: [finger("finger_left", 1.0), finger("finger_right", -1.0)],
+            opening_max: 0.1,
+            free_opening: 0.005,
+            force_max: 50.0,
+            finger_speed: 0.1,
+        },
+        allowed_contacts: vec![],
+    }
+}
+
+/// A SCARA arm R-R-P-R of 0.325 m and 0.275 m, its shoulder 0.4 m high.
+pub(crate) fn scara() -> RobotModel {
+    use JointKind::{Prismatic, Revolute};
+    let z = Vector3::z();
+    robot(
+        vec![
+            joint("shoulder", Revolute, at(0.0, 0.0, 0.4), z),
+            joint("elbow", Revolute, at(0.325, 0.0, 0.0), z),
+            joint("quill", Prismatic, at(0.275, 0.0, 0.0), z),
+            joint("wrist", Revolute, Pose::identity(), z),
+        ],
+        vec![
+            link("upper_arm", vec![(at(0.1625, 0.0, 0.0), boxed(0.2, 0.06, 0.05))]),
+            link("forearm", vec![(at(0.1375, 0.0, 0.09), boxed(0.18, 0.05, 0.04))]),
+            link("quill_rod", vec![(Pose::identity(), Shape::Cylinder { radius: 0.012, half_length: 0.2 })]),
+            link("hand", vec![(at(0.0, 0.0, -0.2), boxed(0.03, 0.05, 0.02))]),
+        ],
+    )
+}
+
+pub(crate) fn cell(required: f64, bodies: Vec<(&str, Shape, Pose)>) -> Cell {
+    let body = |(name, shape, world_from_shape): (&str, Shape, Pose)| CellBody {
+        name: name.to_owned(),
+        shape,
+        world_from_shape,
+    };
+    Cell {
+        gravity: Vector3::new(0.0, 0.0, -9.81),
+        bodies: bodies.into_iter().map(body).collect(),
+        clearance: ClearanceRule { required, pairs: vec![] },
+    }
+}
+
+/// A quintic from rest to rest in one phase, with the gripper at a constant opening and no object.
+pub(crate) fn rest_to_rest(from: &[f64], to: &[f64], duration: f64) -> Plan {
+    let pieces = from
+        .iter()
+        .zip(to)
+        .map(|(&a, &b)| Polynomial::quintic_hermite([a, 0.0, 0.0], [b, 0.0, 0.0], duration))
+        .collect();
+    let trajectory = Trajectory::new(from.len(), vec![0.0, duration], pieces).unwrap();
+    let opening = Trajectory::hold(&[0.05], duration).unwrap();
+    let phase = Phase { name: "move".to_owned(), start: 0.0, end: duration, holding: Holding::Nothing };
+    Plan { trajectory, opening, phases: vec![phase], grasp: None }
+}
+
+/// A generator of numbers that look random (SplitMix64, Steele, Lea and Flood 2014).
+pub(crate) struct Draw(pub(crate) u64);
+
+impl Draw {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^= z >> 31;
+        low + (high - low) * ((z >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+}
