@@ -352,6 +352,7 @@ mod tests {
 
     /// The leaves of a free pair follow each other from 0 to the end without a gap, and each holds.
     #[test]
+    #[expect(clippy::float_cmp, reason = "neighbours share the very same number")]
     fn leaves_cover_the_whole_motion() {
         let post = ("post", boxed(0.05, 0.05, 0.2), at(0.75, 0.2, 0.2));
         let scene = Scene::new(&fixtures::scara(), &fixtures::cell(0.001, vec![post]), None).unwrap();

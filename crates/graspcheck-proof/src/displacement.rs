@@ -200,11 +200,10 @@ impl<'s> Moment<'s> {
             let origin = &self.world_from_link[joint].translation.vector;
             let mut radius = (place.center - origin).cross(axis).norm() + mount.radial_extents[joint];
             radius += outer_chords;
-            for outer in joint + 1..mount.carrier.arm_joints(dof) {
-                if joints[outer].kind == JointKind::Prismatic {
-                    let slide = self.arm[outer].below.max(self.arm[outer].above);
-                    radius += slide * self.axes[outer].cross(axis).norm();
-                }
+            let slides = |outer: &usize| joints[*outer].kind == JointKind::Prismatic;
+            for outer in (joint + 1..mount.carrier.arm_joints(dof)).filter(slides) {
+                let slide = self.arm[outer].below.max(self.arm[outer].above);
+                radius += slide * self.axes[outer].cross(axis).norm();
             }
             if let Carrier::Finger(_) = mount.carrier {
                 radius += self.finger.below.max(self.finger.above) * finger_axis.cross(axis).norm();
@@ -379,6 +378,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "halving is exact")]
     fn the_pads_stop_at_the_width_of_the_object() {
         let closing = Range { reference: 0.04, below: 0.02, above: 0.01 };
         let finger = half_opening(closing, 0.03);

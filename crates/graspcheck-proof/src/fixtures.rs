@@ -111,8 +111,9 @@ pub(crate) fn rest_to_rest(from: &[f64], to: &[f64], duration: f64) -> Plan {
         .zip(to)
         .map(|(&a, &b)| Polynomial::quintic_hermite([a, 0.0, 0.0], [b, 0.0, 0.0], duration))
         .collect();
-    let trajectory = Trajectory::new(from.len(), vec![0.0, duration], pieces).unwrap();
-    let opening = Trajectory::hold(&[0.05], duration).unwrap();
+    let trajectory =
+        Trajectory::new(from.len(), vec![0.0, duration], pieces).expect("the knots and pieces fit");
+    let opening = Trajectory::hold(&[0.05], duration).expect("the duration is positive");
     let phase = Phase { name: "move".to_owned(), start: 0.0, end: duration, holding: Holding::Nothing };
     Plan { trajectory, opening, phases: vec![phase], grasp: None }
 }

@@ -211,20 +211,18 @@ struct Best<'a> {
 
 impl Best<'_> {
     /// Takes this direction if its gap is wider; a zero or non-finite one is passed over.
-    fn propose(&mut self, direction: &Vector3<f64>) -> bool {
+    fn propose(&mut self, direction: &Vector3<f64>) {
         let length = direction.norm();
         // Shorter vectors are differences of nearly equal points, with no direction left in them.
         if !(length.is_finite() && length > 1e-12) {
-            return false;
+            return;
         }
         let normal = direction / length;
         let lower = gap(self.a, self.b, &normal);
-        let better = lower > self.lower;
-        if better {
+        if lower > self.lower {
             self.lower = lower;
             self.normal = normal;
         }
-        better
     }
 
     /// Proposes what separates polytopes that touch or overlap (the separating axis test): normals of faces
@@ -267,9 +265,11 @@ impl Best<'_> {
             let n = self.normal;
             let side = n.cross(&if n.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() }).normalize();
             let up = n.cross(&side);
-            let improved = [side, -side, up, -up, side + up, side - up, up - side, -side - up]
-                .iter()
-                .fold(false, |any, way| self.propose(&(n + way * turn)) || any);
+            let before = self.lower;
+            for way in [side, -side, up, -up, side + up, side - up, up - side, -side - up] {
+                self.propose(&(n + way * turn));
+            }
+            let improved = self.lower > before;
             turn *= if improved { 1.0 } else { 0.5 };
         }
     }

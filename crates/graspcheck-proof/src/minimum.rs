@@ -120,10 +120,9 @@ impl Search<'_> {
         let overlap_counts = known.lower - requirement.required < enough + self.tolerance;
         if known.upper <= 0.0 && known.upper - known.lower > self.tolerance && overlap_counts {
             self.evaluations += OVERLAP_COST;
-            if let Some((depth, common)) = deepest_overlap(&a, &b, -known.lower, 0.25 * self.tolerance) {
-                if -depth < upper {
-                    (upper, points) = (-depth, [common; 2]);
-                }
+            let shown = deepest_overlap(&a, &b, -known.lower, 0.25 * self.tolerance);
+            if let Some((depth, common)) = shown.filter(|(depth, _)| -depth < upper) {
+                (upper, points) = (-depth, [common; 2]);
             }
         }
         let upper = upper - requirement.required;

@@ -426,7 +426,7 @@ pub(crate) mod tests {
     #[test]
     fn a_hull_is_centred_and_bad_shapes_are_named() {
         let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 6.0]];
-        let points = points.map(nalgebra::Point3::from).to_vec();
+        let points = points.map(Point3::from).to_vec();
         let (solid, origin) = Solid::from_shape(&Shape::Hull { points }).unwrap();
         assert_eq!(origin, Vector3::new(1.0, 2.0, 3.0));
         assert!((solid.core().reach(&Vector3::x()) - 1.0).abs() < 1e-15);
@@ -437,7 +437,7 @@ pub(crate) mod tests {
         let to_face = 0.25 / (0.25_f64 + 1.0 / 16.0 + 1.0 / 36.0).sqrt();
         assert!((inner_radius - to_face.min(0.5)).abs() < 1e-12, "{inner_radius}");
         let plane = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-        let points = plane.map(|[x, y]| nalgebra::Point3::new(x, y, x + y)).to_vec();
+        let points = plane.map(|[x, y]| Point3::new(x, y, x + y)).to_vec();
         let fault = Solid::from_shape(&Shape::Hull { points }).unwrap_err();
         assert_eq!(fault, "the points of the hull must not lie in a plane");
         let flat = Shape::Cylinder { radius: 0.1, half_length: 0.0 };
