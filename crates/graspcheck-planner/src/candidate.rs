@@ -81,8 +81,7 @@ pub enum CandidateOutcome {
     /// It was not needed.
     #[error("{by:.3} s slower than the chosen one")]
     Slower {
-        /// By how much its motion is longer, s; negative when no candidate is proved clear, and this one
-        /// was not tried.
+        /// By how much longer the arm moves, s.
         by: f64,
     },
     /// It is proved to come too near somewhere.

@@ -139,10 +139,20 @@ impl<'a> WristMotion<'a> {
         let y = coordinate(&|k| task.points[k].wrist.y)?;
         let theta = coordinate(&|k| task.points[k].theta)?;
         // The pieces follow from times and blends alone, so they are the same for all coordinates.
-        let pieces = x.pieces().iter().zip(y.pieces()).zip(theta.pieces());
-        let pieces = pieces.map(|((x, y), theta)| [x.1, y.1, theta.1]).collect();
-        let knots = x.pieces().iter().map(|(start, _)| *start).chain([x.end()]);
-        let knots = knots.map(|t| t - x.start()).collect();
+        let starts = x.pieces().iter().map(|(start, _)| *start);
+        let ends = starts.clone().skip(1).chain([x.end()]);
+        let mut knots = vec![0.0];
+        let mut pieces = Vec::new();
+        for (index, (start, end)) in starts.zip(ends).enumerate() {
+            let at_start = [&x, &y, &theta].map(|coordinate| coordinate.pieces()[index].1);
+            pieces.push(at_start);
+            // The instant of a point is a knot too, so that what the point is missed by is exact.
+            if let Some(t) = times.iter().find(|&&t| start < t && t < end) {
+                knots.push(t - x.start());
+                pieces.push(at_start.map(|polynomial| polynomial.shifted(t - start)));
+            }
+            knots.push(end - x.start());
+        }
         let no_inverse = PlanError::NoInverse;
         let theta_zero = robot.planar_wrist(&vec![0.0; robot.dof()]).map_err(no_inverse)?.theta;
         let at_origin = PlanarWrist { position: Point2::origin(), theta: 0.0 };

@@ -34,6 +34,10 @@ mod sequence;
 mod stop;
 pub mod time_scaling;
 
+#[cfg(test)]
+#[path = "../tests/robots/mod.rs"]
+mod robots;
+
 pub use candidate::{Candidate, CandidateOutcome};
 pub use cartesian::line;
 pub use error::{NothingReachable, PlanError};

@@ -140,3 +140,66 @@ impl Openings {
 pub(crate) fn idle(gripper: &Gripper, duration: f64) -> Result<Trajectory, TrajectoryError> {
     Trajectory::hold(&[gripper.opening_max], duration)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robots::{cube, scara};
+
+    fn phases() -> Vec<Phase> {
+        use Holding::{AtStart, Closing, Held, Opening, Placed};
+        let mut end = 0.0;
+        [(AtStart, 0.7), (Closing, 0.3), (Held, 1.1), (Opening, 0.25), (Placed, 0.4)]
+            .map(|(holding, duration)| {
+                let start = end;
+                end += duration;
+                Phase { name: String::new(), start, end, holding }
+            })
+            .to_vec()
+    }
+
+    #[test]
+    fn fingers_press_while_the_object_is_held() {
+        let handle = &cube([0.0; 3], 0.0).handles[0];
+        let openings = Openings::at(handle, &scara().gripper).unwrap();
+        let opening = openings.over(&phases()).unwrap();
+        assert!(opening.breaks().is_empty());
+        for (t, expected) in
+            [(0.0, 0.042), (0.7, 0.042), (1.0, 0.026), (1.5, 0.026), (2.1, 0.026), (2.75, 0.042)]
+        {
+            assert!((opening.eval(t).q[0] - expected).abs() < 1e-12, "{t}");
+        }
+        // Half way the quintic is half way and at its fastest, 15/8 of the mean.
+        let middle = opening.eval(0.85);
+        assert!((middle.q[0] - 0.034).abs() < 1e-12);
+        assert!((middle.qd[0] + 15.0 / 8.0 * 0.016 / 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    #[expect(clippy::float_cmp, reason = "bounds are met to the last digit")]
+    fn openings_stay_within_the_gripper() {
+        let mut handle = cube([0.0; 3], 0.0).handles[0].clone();
+        let gripper = scara().gripper;
+        handle.width = 0.065;
+        assert_eq!(Openings::at(&handle, &gripper).unwrap().free, gripper.opening_max);
+        handle.width = 0.001;
+        assert_eq!(Openings::at(&handle, &gripper).unwrap().held, 0.0);
+        handle.width = gripper.opening_max;
+        assert!(matches!(Openings::at(&handle, &gripper), Err(GripError::TooWide { .. })));
+        for width in [0.0, -0.1, f64::NAN] {
+            handle.width = width;
+            assert!(matches!(Openings::at(&handle, &gripper), Err(GripError::NoWidth { .. })));
+        }
+    }
+
+    #[test]
+    fn the_least_duration_is_just_enough() {
+        let openings = Openings { free: 0.042, held: 0.026 };
+        let gripper = scara().gripper;
+        let Err(GripError::TooFast { least, .. }) = openings.check_speed(&gripper, "close", 0.1) else {
+            panic!("8 mm in 0.1 s is too fast for 60 mm/s")
+        };
+        assert!((least - 0.25).abs() < 1e-12);
+        assert!(openings.check_speed(&gripper, "close", least * (1.0 + 1e-12)).is_ok());
+    }
+}

@@ -45,12 +45,6 @@ use crate::{
 /// Names of the phases that the task can have, in order.
 pub const PHASES: [&str; 8] = ["approach", "descend", "close", "lift", "carry", "lower", "open", "retreat"];
 
-/// How many candidates are tried for a proof of clearance before the fastest is returned unproved.
-///
-/// The reason: a proof takes up to a tenth of a second, and candidates differ mostly by whole turns of the
-/// wrist; what a dozen of them do not clear is in the way of all.
-pub const PROOFS_MAX: usize = 12;
-
 /// Finds a plan for the task.
 pub(crate) fn find(
     robot: &RobotModel,
@@ -260,34 +254,27 @@ impl<'a> Pick<'a> {
 
     /// The first way whose plan is proved clear, or the first of all; with what became of the others.
     fn choose(&self, scene: &Scene, ways: &[Way], rejected: Vec<Candidate>) -> Result<Planned, PlanError> {
-        let mut tried: Vec<(Plan, Certificate)> = Vec::new();
-        for way in ways.iter().take(PROOFS_MAX) {
+        let mut clear = None;
+        let mut fastest = None;
+        let mut outcomes = Vec::with_capacity(ways.len());
+        for (index, way) in ways.iter().enumerate() {
             let plan = self.plan(way)?;
             let certificate = scene.certify(&plan);
-            let proved = certificate.is_free();
-            tried.push((plan, certificate));
-            if proved {
+            if certificate.is_free() {
+                clear = Some((index, plan, certificate));
                 break;
             }
+            outcomes.push(not_clear(&certificate));
+            fastest.get_or_insert((0, plan, certificate));
         }
-        let chosen = match tried.last() {
-            Some((_, certificate)) if certificate.is_free() => tried.len() - 1,
-            _ => 0,
-        };
-        let outcome = |index: usize| {
-            if index == chosen {
-                CandidateOutcome::Chosen
-            } else if let Some((_, certificate)) = tried.get(index) {
-                not_clear(certificate)
-            } else {
-                CandidateOutcome::Slower { by: ways[index].moving - ways[chosen].moving }
-            }
-        };
-        let mut candidates = vec![ways[chosen].candidate(outcome(chosen))];
-        let others = (0..ways.len()).filter(|&index| index != chosen);
-        candidates.extend(others.map(|index| ways[index].candidate(outcome(index))));
+        let (chosen, plan, certificate) = clear.or(fastest).expect("there is a way, and it was tried");
+        let slower = |way: &Way| CandidateOutcome::Slower { by: way.moving - ways[chosen].moving };
+        outcomes.extend(ways[outcomes.len()..].iter().map(slower));
+        outcomes[chosen] = CandidateOutcome::Chosen;
+        let mut candidates: Vec<Candidate> =
+            ways.iter().zip(outcomes).map(|(way, outcome)| way.candidate(outcome)).collect();
+        candidates[..=chosen].rotate_right(1);
         candidates.extend(nearest_miss_first(rejected));
-        let (plan, certificate) = tried.swap_remove(chosen);
         Ok(Planned { plan, certificate: Some(certificate), candidates })
     }
 

@@ -1,12 +1,15 @@
 //! Picks on both arms, from task to plan.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+#![expect(clippy::float_cmp, reason = "these values must be met to the last digit")]
+
 mod robots;
 
 use graspcheck_model::{
     Pose,
     object::Object,
     plan::{Holding, Plan},
-    robot::RobotModel,
+    robot::{Joint, RobotModel},
     task::{PhasePace, PickAndPlace, Task},
 };
 use graspcheck_planner::{CandidateOutcome, PlanError, find, opening::SQUEEZE, plan};
@@ -18,7 +21,7 @@ fn apart(a: &Pose, b: &Pose) -> f64 {
     distance.max(a.rotation.angle_to(&b.rotation))
 }
 
-/// The largest share of its limits that a plan uses, over all joints and orders, up to `end` of phase names.
+/// The largest share of the robot's limits that a plan uses in a phase, over all joints and orders.
 fn utilisation(robot: &RobotModel, plan: &Plan, phase: &str) -> f64 {
     let phase = plan.phases.iter().find(|p| p.name == phase).unwrap();
     let mut most: f64 = 0.0;
@@ -30,7 +33,6 @@ fn utilisation(robot: &RobotModel, plan: &Plan, phase: &str) -> f64 {
     }
     most
 }
-use graspcheck_model::robot::Joint;
 
 /// What every plan of a pick must keep.
 fn check_pick(robot: &RobotModel, object: &Object, task: &PickAndPlace, share: f64, plan: &Plan) {
@@ -314,4 +316,31 @@ fn tasks_that_make_no_sense_are_errors_that_teach() {
     assert!(message(&|_, object| object.handles.clear()).starts_with("object cube: has no handle"));
     let nothing = plan(&robot, &empty, None, &Task::PickAndPlace(task.clone()), &pace(0.9)).unwrap_err();
     assert_eq!(nothing, PlanError::NoObject);
+}
+
+#[test]
+fn a_slower_way_is_chosen_when_the_fastest_is_not_clear() {
+    let robot = scara();
+    let (object, task) = scara_pick();
+    let task = Task::PickAndPlace(task);
+    let open = find(&robot, &cell(0.002, &[]), Some(&object), &task, &pace(0.9)).unwrap();
+    assert!(open.certificate.unwrap().is_free());
+    // A block where the fastest way has its elbow in the middle of the carry.
+    let carry = open.plan.phases.iter().find(|phase| phase.name == "carry").unwrap();
+    let middle = open.plan.trajectory.eval(0.5 * (carry.start + carry.end)).q;
+    let elbow = robot.forward(&middle)[1].translation.vector;
+    let block = cell(0.002, &[("block", [0.02; 3], elbow.into())]);
+    let around = find(&robot, &block, Some(&object), &task, &pace(0.9)).unwrap();
+    assert!(around.certificate.unwrap().is_free());
+    let chosen = &around.candidates[0];
+    assert_eq!(chosen.outcome, CandidateOutcome::Chosen);
+    let faster: Vec<_> = around.candidates[1..]
+        .iter()
+        .filter(|c| c.moving.is_some_and(|m| m < chosen.moving.unwrap()))
+        .collect();
+    assert!(!faster.is_empty());
+    for candidate in faster {
+        assert!(matches!(candidate.outcome, CandidateOutcome::TooNear { .. }), "{}", candidate.outcome);
+    }
+    assert!(around.plan.duration() > open.plan.duration());
 }
