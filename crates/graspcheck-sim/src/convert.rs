@@ -1,8 +1,8 @@
 //! Between nalgebra, which is our linear algebra, and glam, which is rapier's.
 
 use graspcheck_model::Pose;
-use nalgebra::{Matrix3, Point3, Vector3};
-use rapier3d::math::{Matrix, Pose as RapierPose, Vector};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
+use rapier3d::math::{Pose as RapierPose, Rotation, Vector};
 
 pub(crate) fn to_rapier(pose: &Pose) -> RapierPose {
     (*pose).into()
@@ -24,6 +24,6 @@ pub(crate) fn vector_from_rapier(vector: Vector) -> Vector3<f64> {
     vector.into()
 }
 
-pub(crate) fn matrix_to_rapier(matrix: &Matrix3<f64>) -> Matrix {
-    (*matrix).into()
+pub(crate) fn rotation_to_rapier(rotation: &UnitQuaternion<f64>) -> Rotation {
+    (*rotation).into()
 }

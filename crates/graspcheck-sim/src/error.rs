@@ -50,11 +50,14 @@ pub enum SimError {
         /// Name of the handle.
         handle: String,
     },
-    /// A hull has no volume.
+    /// Robot, cell and object do not make a scene.
+    #[error(transparent)]
+    Scene(#[from] graspcheck_proof::SceneError),
+    /// Rapier cannot build a hull.
     #[error(
-        "body {body}: its hull of {points} points has no volume; give at least four that do not lie in a plane"
+        "body {body}: rapier finds no hull of its {points} points; give at least four that do not lie in a plane"
     )]
-    FlatHull {
+    Hull {
         /// Name of the body.
         body: String,
         /// How many points were given.

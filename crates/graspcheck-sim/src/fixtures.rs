@@ -241,7 +241,7 @@ pub(crate) fn through(start: &[f64], legs: &[(f64, Vec<f64>)]) -> Trajectory {
         }
         from.clone_from(to);
     }
-    Trajectory::new(start.len(), knots, pieces).unwrap()
+    Trajectory::new(start.len(), knots, pieces).expect("the legs have positive durations")
 }
 
 /// A plan that moves the arm from rest to rest with nothing in the gripper.
@@ -250,7 +250,7 @@ pub(crate) fn move_plan(start: &[f64], legs: &[(f64, Vec<f64>)]) -> Plan {
     let duration = trajectory.duration();
     Plan {
         trajectory,
-        opening: Trajectory::hold(&[0.06], duration).unwrap(),
+        opening: Trajectory::hold(&[0.06], duration).expect("the duration is positive"),
         phases: vec![Phase { name: "move".to_owned(), start: 0.0, end: duration, holding: Holding::Nothing }],
         grasp: None,
     }

@@ -83,7 +83,7 @@ mod tests {
         let robot = fixtures::scara();
         let drive = GripperDrive::new(&robot.gripper, None);
         let speed = robot.gripper.finger_speed;
-        assert_eq!(drive.command(Holding::Nothing, 0.08, 0.0, 0.0).velocity, speed);
-        assert_eq!(drive.command(Holding::Nothing, 0.0, 0.0, 0.08).velocity, -speed);
+        let velocity = |opening, measured| drive.command(Holding::Nothing, opening, 0.0, measured).velocity;
+        assert_eq!([velocity(0.08, 0.0), velocity(0.0, 0.08)], [speed, -speed]);
     }
 }

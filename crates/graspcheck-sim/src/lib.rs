@@ -21,6 +21,7 @@
 //! Reading order: [`error`], then the private modules `plant` (robot, cell and object as rapier bodies),
 //! `self_test`, `controller`, `gripper`, `contacts`, `recorder`, `run`.
 
+mod arc;
 mod clock;
 mod contacts;
 mod controller;
@@ -44,3 +45,14 @@ pub use run::{START_DEPTH_MAX, simulate};
 /// The physics that runs below, with its version: its semantics move in patch releases, so baselines carry
 /// it.
 pub const PHYSICS: &str = "rapier3d-f64 0.36.1";
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_named_physics_is_the_pinned_one() {
+        let manifest = include_str!("../../../Cargo.toml");
+        let version = super::PHYSICS.strip_prefix("rapier3d-f64 ").unwrap();
+        let pinned = format!(r#"rapier3d = {{ package = "rapier3d-f64", version = "={version}" }}"#);
+        assert!(manifest.contains(&pinned), "{pinned}");
+    }
+}

@@ -18,7 +18,7 @@ use graspcheck_model::{
     robot::{JointKind, Link, RobotModel},
     shape::{PlacedShape, Shape},
 };
-use nalgebra::{DMatrix, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use rapier3d::{
     dynamics::{
         GenericJointBuilder, JointAxesMask, JointAxis, MassProperties, MotorModel, Multibody,
@@ -26,10 +26,10 @@ use rapier3d::{
     },
     geometry::{ColliderBuilder, ContactPair, SharedShape},
     math::Vector,
-    pipeline::PhysicsWorld,
+    pipeline::{ActiveHooks, PhysicsHooks, PhysicsWorld},
 };
 
-use crate::{convert, error::SimError};
+use crate::{arc::ArcCorrection, convert, error::SimError};
 
 /// The number of fingers; the joints of a plant are those of the arm and then these.
 pub(crate) const FINGERS: usize = 2;
@@ -37,6 +37,11 @@ pub(crate) const FINGERS: usize = 2;
 /// Gain of the fingers' velocity motors, N·s/m: so large that the force limit is reached at any error of
 /// velocity that can be seen (1 µm/s asks for 1 N).
 const FINGER_MOTOR_GAIN: f64 = 1e6;
+
+/// Sweeps over all contacts and joint rows in each substep, with and without the correction of depth.
+/// With one sweep a cube of 0.1 kg held with 10 N creeps by 0.2 mm in a swing of 0.6 s, with ten by 0.03 mm;
+/// more change nothing.
+const CONTACT_SWEEPS: usize = 10;
 
 /// The rapier world of a run.
 pub(crate) struct Plant {
@@ -66,7 +71,7 @@ impl Plant {
     /// The world with the robot at position 0 of all joints, the cell, and the object at its start.
     ///
     /// # Errors
-    /// When a hull has no volume or rapier refuses a joint.
+    /// When rapier finds no hull or refuses a joint.
     pub(crate) fn new(
         robot: &RobotModel,
         cell: &Cell,
@@ -234,8 +239,15 @@ impl Plant {
     }
 
     /// Advances by one step.
-    pub(crate) fn step(&mut self) {
-        self.world.step();
+    pub(crate) fn step(&mut self, hooks: &dyn PhysicsHooks) {
+        self.world.step_with_events(hooks, &());
+    }
+
+    /// The correction of friction for hand and object of this plant.
+    pub(crate) fn arc_correction(&self, robot: &RobotModel) -> ArcCorrection {
+        let fingers = [self.bodies[self.finger(0)], self.bodies[self.finger(1)]];
+        let dt = self.world.integration_parameters.dt;
+        ArcCorrection::new(robot, dt, fingers, self.object.map(|object| self.bodies[object]))
     }
 
     /// Computes contacts where everything stands.
@@ -330,6 +342,8 @@ impl Builder {
         parameters.normalized_prediction_distance = settings.contact.prediction;
         // A recycled contact reports the depth of an earlier step.
         parameters.contact_recycling = false;
+        parameters.num_internal_pgs_iterations = CONTACT_SWEEPS;
+        parameters.num_internal_stabilization_iterations = CONTACT_SWEEPS;
         // Clusters keep impulses away from the points that carry them.
         parameters.contact_clustering = false;
         // Continuous collision detection would set bodies back in time: at 1 kHz and a few m/s nothing
@@ -355,6 +369,7 @@ impl Builder {
                 .density(0.0)
                 .friction(friction)
                 .restitution(0.0)
+                .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
                 .user_data(index as u128);
             self.world.insert_collider(collider, Some(handle));
         }
@@ -445,12 +460,24 @@ impl Builder {
 
 /// A body that moves and never sleeps: rapier would freeze slow motion.
 fn dynamic(inertial: &Inertial) -> RigidBodyBuilder {
-    RigidBodyBuilder::dynamic().can_sleep(false).additional_mass_properties(
-        MassProperties::with_inertia_matrix(
-            convert::point_to_rapier(&inertial.center),
-            inertial.mass,
-            convert::matrix_to_rapier(&inertial.tensor),
-        ),
+    RigidBodyBuilder::dynamic().can_sleep(false).additional_mass_properties(mass_properties(inertial))
+}
+
+/// Mass properties with principal axes of our own: `MassProperties::with_inertia_matrix` of parry 0.31.1
+/// reads eigenvectors that form a reflection as if they were a rotation, which swaps principal inertias
+/// (seen on a finger of 2.9, 11 and 13 mg·m²).
+fn mass_properties(inertial: &Inertial) -> MassProperties {
+    let eigen = inertial.tensor.symmetric_eigen();
+    let mut axes = eigen.eigenvectors;
+    if axes.determinant() < 0.0 {
+        axes.column_mut(2).neg_mut();
+    }
+    let body_from_principal = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+    MassProperties::with_principal_inertia_frame(
+        convert::point_to_rapier(&inertial.center),
+        inertial.mass,
+        convert::vector_to_rapier(&eigen.eigenvalues),
+        convert::rotation_to_rapier(&body_from_principal),
     )
 }
 
@@ -480,8 +507,162 @@ fn rapier_shape(body: &str, placed: &PlacedShape) -> Result<(Pose, SharedShape),
         Shape::Hull { points } => {
             let vertices: Vec<Vector> = points.iter().map(convert::point_to_rapier).collect();
             let hull = SharedShape::convex_hull(&vertices)
-                .ok_or_else(|| SimError::FlatHull { body: body.to_owned(), points: points.len() })?;
+                .ok_or_else(|| SimError::Hull { body: body.to_owned(), points: points.len() })?;
             (body_from_shape, hull)
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixtures;
+    use graspcheck_model::dynamics::Dynamics;
+    use nalgebra::DVector;
+
+    fn plant(robot: &RobotModel, gravity: Vector3<f64>, dt: f64, substeps: usize) -> Plant {
+        let contact = fixtures::execution().contact;
+        let settings = PlantSettings { dt, substeps, contact: &contact };
+        Plant::new(robot, &fixtures::empty_cell(gravity), None, &settings).unwrap()
+    }
+
+    #[test]
+    fn bodies_stand_where_the_forward_kinematics_says() {
+        for robot in [fixtures::scara(), fixtures::rrr(), fixtures::tilted()] {
+            let mut plant = plant(&robot, fixtures::GRAVITY, 1e-3, 1);
+            let mut q: Vec<f64> = (0..robot.dof()).map(|k| -0.1 + 0.13 * k as f64).collect();
+            let mut expected = robot.forward(&q);
+            expected.insert(0, robot.world_from_base);
+            for finger in 0..FINGERS {
+                expected.push(expected[robot.dof()] * robot.gripper.link_from_finger_at(finger, 0.05));
+            }
+            q.extend([0.025; FINGERS]);
+            plant.set_state(&q, &vec![0.0; q.len()]);
+            let mut poses = vec![Pose::identity(); expected.len()];
+            plant.read_poses(&mut poses);
+            for ((pose, expected), name) in poses.iter().zip(&expected).zip(plant.names()) {
+                let off = pose.inverse() * expected;
+                assert!(off.translation.vector.norm() < 1e-12, "{name}");
+                assert!(off.rotation.angle() < 1e-7, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn efforts_act_along_their_joints() {
+        let robot = fixtures::tilted();
+        let gravity = Vector3::new(1.0, -2.0, -9.0);
+        let mut plant = plant(&robot, gravity, 1e-9, 1);
+        let (q, qd, effort) = ([0.3, 0.1, -0.8], [0.9, -0.4, 1.3], [35.0, -60.0, 12.0]);
+        plant.set_state(&[0.3, 0.1, -0.8, 0.01, 0.01], &[0.9, -0.4, 1.3, 0.0, 0.0]);
+        let mass = plant.mass_matrix();
+        plant.apply_efforts(&effort);
+        plant.step(&());
+        let mut acceleration = vec![0.0; 5];
+        plant.unconstrained_acceleration(&mut acceleration);
+        let inertial = mass * DVector::from_vec(acceleration);
+        let mut dynamics = Dynamics::new(&robot, gravity);
+        dynamics.set_load(0.02, None);
+        let mut bias = [0.0; 3];
+        dynamics.inverse(&q, &qd, &[0.0; 3], &mut bias);
+        for joint in 0..3 {
+            let felt = inertial[joint] + bias[joint] + robot.joints[joint].damping * qd[joint];
+            assert!((felt - effort[joint]).abs() < 1e-5, "joint {joint}: {felt} is not {}", effort[joint]);
+        }
+    }
+
+    /// A single link that swings in gravity along -y.
+    fn pendulum() -> RobotModel {
+        let mut robot = fixtures::rrr();
+        robot.joints.truncate(1);
+        robot.links.truncate(1);
+        robot
+    }
+
+    #[test]
+    fn a_pendulum_swings_with_its_closed_form_period() {
+        let robot = pendulum();
+        let amplitude: f64 = 1.2;
+        let hanging = -std::f64::consts::FRAC_PI_2;
+        let fingers = [0, 1].map(|finger| {
+            robot.gripper.fingers[finger]
+                .link
+                .inertial
+                .transformed(&robot.gripper.link_from_finger_at(finger, 0.0))
+        });
+        let [left, right] = fingers;
+        let whole = Inertial::combine(&[robot.links[0].inertial.clone(), left, right]);
+        let inertia = whole.tensor_about(&nalgebra::Point3::origin())[(2, 2)];
+        let small_swing = std::f64::consts::TAU * (inertia / (whole.mass * 9.81 * whole.center.x)).sqrt();
+        // Exact period: small swing / AGM(1, cos(amplitude / 2)).
+        let (mut a, mut b) = (1.0, (amplitude / 2.0).cos());
+        for _ in 0..8 {
+            (a, b) = ((a + b) / 2.0, f64::sqrt(a * b));
+        }
+        let exact = small_swing / a;
+
+        let dt = 1e-3;
+        let mut plant = plant(&robot, Vector3::new(0.0, -9.81, 0.0), dt, 4);
+        plant.set_state(&[hanging + amplitude, 0.0, 0.0], &[0.0; 3]);
+        let (mut q, mut qd) = ([0.0; 3], [0.0; 3]);
+        let mut last = amplitude;
+        let mut crossings = Vec::new();
+        for step in 1..12_000 {
+            plant.step(&());
+            plant.read_state(&mut q, &mut qd);
+            let angle = q[0] - hanging;
+            if last < 0.0 && angle >= 0.0 {
+                crossings.push(dt * (step as f64 - angle / (angle - last)));
+            }
+            last = angle;
+        }
+        let period = crossings[1] - crossings[0];
+        assert!((period / exact - 1.0).abs() < 1e-4, "period {period} s is not {exact} s");
+    }
+
+    /// Share of the peak kinetic energy that a three-link arm has lost after ten seconds of free swing.
+    fn energy_loss(substeps: usize) -> f64 {
+        let robot = fixtures::rrr();
+        let gravity = Vector3::new(0.0, -9.81, 0.0);
+        let mut plant = plant(&robot, gravity, 1e-3, substeps);
+        let mut poses = vec![Pose::identity(); plant.names().len()];
+        let inertials: Vec<Inertial> = robot
+            .links
+            .iter()
+            .map(|link| link.inertial.clone())
+            .chain(robot.gripper.fingers.iter().map(|finger| finger.link.inertial.clone()))
+            .collect();
+        let start = -std::f64::consts::FRAC_PI_2 + 30_f64.to_radians();
+        plant.set_state(&[start, 0.0, 0.0, 0.0, 0.0], &[0.0; 5]);
+        let mut peak: f64 = 0.0;
+        let mut energies = Vec::new();
+        let (mut q, mut qd) = ([0.0; 5], [0.0; 5]);
+        for step in 0..=10_000 {
+            if step % 50 == 0 {
+                plant.read_state(&mut q, &mut qd);
+                plant.read_poses(&mut poses);
+                let rates = DVector::from_column_slice(&qd);
+                let kinetic = 0.5 * rates.dot(&(plant.mass_matrix() * &rates));
+                let potential: f64 = inertials
+                    .iter()
+                    .zip(&poses[1..])
+                    .map(|(inertial, pose)| -inertial.mass * gravity.dot(&(pose * inertial.center).coords))
+                    .sum();
+                peak = peak.max(kinetic);
+                energies.push(kinetic + potential);
+            }
+            plant.step(&());
+        }
+        (energies[0] - energies[energies.len() - 1]) / peak
+    }
+
+    #[test]
+    fn a_free_swing_loses_energy_only_by_the_first_order_of_the_step() {
+        // Measured for such an arm elsewhere: 0.102 % with one substep, 0.026 % with four. Rapier's hidden
+        // damping would take 10 %.
+        let (one, four) = (energy_loss(1), energy_loss(4));
+        assert!((0.0008..0.0013).contains(&one), "{one}");
+        assert!((0.0002..0.00035).contains(&four), "{four}");
+        assert!((one / four - 4.0).abs() < 0.3, "{one} / {four}");
+    }
 }

@@ -2,6 +2,7 @@
 
 use graspcheck_model::{Pose, plan::Plan, robot::RobotModel};
 use graspcheck_motion::MotionState;
+use graspcheck_proof::Sampler;
 use graspcheck_recording::{
     ContactSample, Event, FrameSeries, JointSeries, Level, MonitorSample, PoseSeries, Recording,
 };
@@ -55,15 +56,20 @@ pub(crate) struct Recorder<'a> {
     fingers: [usize; FINGERS],
     frame_stride: usize,
     world_from_link: Vec<Pose>,
+    clearance: Option<Sampler<'a>>,
+    /// The margin when a frame was last recorded, m.
+    clearance_margin: f64,
     recording: Recording,
 }
 
 impl<'a> Recorder<'a> {
-    /// An empty recording with room for `rows` rows and the events of all phases.
+    /// An empty recording with room for `rows` rows and the events of all phases. Without `clearance` the
+    /// margin in the monitor is 0.
     pub(crate) fn new(
         robot: &'a RobotModel,
         plan: &'a Plan,
         plant: &Plant,
+        clearance: Option<Sampler<'a>>,
         clock: Clock,
         rows: usize,
     ) -> Self {
@@ -106,6 +112,8 @@ impl<'a> Recorder<'a> {
             names,
             frame_stride,
             world_from_link: vec![Pose::identity(); robot.dof()],
+            clearance,
+            clearance_margin: 0.0,
             recording,
         }
     }
@@ -151,6 +159,7 @@ impl<'a> Recorder<'a> {
         self.recording.contacts.extend(rows.map(|contact| contact_sample(names, time_ns, contact)));
         if sample.step.is_multiple_of(self.frame_stride) {
             self.push_frames(sample, time_ns, &tool);
+            self.update_clearance(sample);
         }
 
         let monitor = MonitorSample {
@@ -165,7 +174,7 @@ impl<'a> Recorder<'a> {
             saturated_joints: sample.controller.saturated(),
             grip_force_n: f64::min(pad_forces[0], pad_forces[1]),
             opening_m: sample.q[dof..].iter().sum(),
-            clearance_margin_m: 0.0,
+            clearance_margin_m: self.clearance_margin,
         };
         self.recording.monitor.push(monitor);
     }
@@ -204,6 +213,16 @@ impl<'a> Recorder<'a> {
             frame.time_ns.push(time_ns);
             frame.pose.push(tool::row(pose));
         }
+    }
+
+    /// Computes the margin as often as frames are recorded: it costs as much as a step of the physics.
+    fn update_clearance(&mut self, sample: &Sample<'_>) {
+        let Some(sampler) = &mut self.clearance else { return };
+        let (arm, fingers) = sample.q.split_at(self.robot.dof());
+        let world_from_object = self.object.map(|index| &sample.world_from_body[index]);
+        let time = self.clock.seconds(sample.step).min(self.plan.duration());
+        let margin = sampler.margin(time, arm, fingers.iter().sum(), world_from_object);
+        self.clearance_margin = margin.unwrap_or(0.0);
     }
 
     /// The normal force between each finger and the object, N.

@@ -108,7 +108,7 @@ fn compare(
         }
     }
 
-    plant.step();
+    plant.step(&());
     let mut acceleration = vec![0.0; q.len()];
     plant.unconstrained_acceleration(&mut acceleration);
     let inertial_force = &mass * nalgebra::DVector::from_vec(acceleration);
@@ -151,18 +151,72 @@ impl SplitMix {
 mod tests {
     use super::*;
     use crate::fixtures;
-    use nalgebra::Vector3;
+    use nalgebra::{Matrix3, Vector3};
 
-    fn test(robot: &RobotModel) -> Result<(), SimError> {
-        // Gravity along no axis.
-        let cell = fixtures::empty_cell(Vector3::new(1.5, -3.0, -9.0));
-        run(robot, &cell, &fixtures::execution().contact, 7)
+    // Gravity along no axis.
+    const SLANTED: Vector3<f64> = Vector3::new(1.5, -3.0, -9.0);
+
+    /// Compares the plant of one robot with the model of another.
+    fn test(built: &RobotModel, modelled: &RobotModel) -> Result<(), SimError> {
+        let contact = fixtures::execution().contact;
+        let settings = PlantSettings { dt: STEP, substeps: 1, contact: &contact };
+        let mut plant = Plant::new(built, &fixtures::empty_cell(SLANTED), None, &settings)?;
+        let mut dynamics = Dynamics::new(modelled, SLANTED);
+        let mut random = SplitMix(7);
+        for _ in 0..STATES {
+            compare(modelled, &mut plant, &mut dynamics, &State::draw(modelled, &mut random))?;
+        }
+        Ok(())
+    }
+
+    fn quantity(result: Result<(), SimError>) -> &'static str {
+        match result {
+            Err(SimError::ModelMismatch { quantity, .. }) => quantity,
+            other => panic!("{other:?}"),
+        }
     }
 
     #[test]
     fn rapier_and_the_model_agree_on_every_arm() {
         for robot in [fixtures::scara(), fixtures::rrr(), fixtures::tilted()] {
-            assert_eq!(test(&robot), Ok(()), "{}", robot.name);
+            assert_eq!(test(&robot, &robot), Ok(()), "{}", robot.name);
+            let cell = fixtures::empty_cell(SLANTED);
+            for seed in 0..20 {
+                assert_eq!(run(&robot, &cell, &fixtures::execution().contact, seed), Ok(()));
+            }
         }
+    }
+
+    #[test]
+    fn an_inertia_that_is_not_rotated_is_found() {
+        let built = fixtures::tilted();
+        let mut modelled = built.clone();
+        let tensor = &mut modelled.links[2].inertial.tensor;
+        *tensor = Matrix3::from_diagonal(&tensor.symmetric_eigenvalues());
+        assert_eq!(quantity(test(&built, &modelled)), "mass matrix");
+    }
+
+    #[test]
+    fn a_centre_of_mass_that_is_off_by_a_millimetre_is_found() {
+        let built = fixtures::scara();
+        let mut modelled = built.clone();
+        modelled.links[0].inertial.center.y += 1e-3;
+        assert_eq!(quantity(test(&built, &modelled)), "mass matrix");
+    }
+
+    #[test]
+    fn rapiers_hidden_damping_would_be_found() {
+        let mut built = fixtures::scara();
+        let modelled = built.clone();
+        built.joints[0].damping = 0.1;
+        assert_eq!(quantity(test(&built, &modelled)), "bias force");
+    }
+
+    #[test]
+    fn a_base_that_is_not_turned_is_found() {
+        let built = fixtures::rrr();
+        let mut modelled = built.clone();
+        modelled.world_from_base.rotation = nalgebra::UnitQuaternion::from_euler_angles(0.01, 0.0, 0.0);
+        assert_eq!(quantity(test(&built, &modelled)), "bias force");
     }
 }
