@@ -1,0 +1,146 @@
+//! The curves: joints, shares of the limits, clearance, tracking, gripper. Units are in the names, since no
+//! viewer knows units.
+
+use graspcheck_model::robot::JointKind;
+use graspcheck_recording::{JointSeries, MonitorSample};
+use rerun::{RecordingStream, RecordingStreamError, Scalars, SeriesLines, components::InterpolationMode};
+
+use crate::{PALETTE, RED, Run, color, joint_units::arm_joints, times};
+
+/// What is shown of a clearance when no limit is known, m.
+const CLEARANCE_SHOWN: f64 = 0.05;
+
+/// A plot shows clearances up to this many times their limit; more would hide the limit.
+const CLEARANCE_LIMITS_SHOWN: f64 = 10.0;
+
+/// Degrees in a radian.
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+pub(crate) fn log(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStreamError> {
+    log_joints(stream, run)?;
+    log_monitor(stream, run)
+}
+
+/// Whether the recording says how far bodies are apart.
+pub(crate) fn has_clearance(run: &Run) -> bool {
+    run.recording.monitor.iter().any(|sample| sample.clearance_margin_m != 0.0)
+}
+
+/// One entity a quantity, with one curve for each joint of the arm.
+fn log_joints(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStreamError> {
+    let measured = &run.recording.measured;
+    let kinds = arm_joints(run.recording);
+    // Without the document all joints are shown, in SI units.
+    let joints: Vec<(usize, Option<JointKind>)> = measured
+        .names
+        .iter()
+        .enumerate()
+        .filter_map(|(joint, name)| match kinds.iter().find(|(known, _)| known == name) {
+            Some((_, kind)) => Some((joint, Some(*kind))),
+            None => kinds.is_empty().then_some((joint, None)),
+        })
+        .collect();
+    if joints.is_empty() || measured.is_empty() {
+        return Ok(());
+    }
+    let quantities = [
+        ("joints/position", &measured.position, ["°", "mm", "rad or m"], [DEGREES, 1e3]),
+        ("joints/velocity", &measured.velocity, ["°/s", "mm/s", "rad/s or m/s"], [DEGREES, 1e3]),
+        ("joints/effort", &measured.effort, ["N·m", "N", "N·m or N"], [1.0, 1.0]),
+    ];
+    for (entity, values, [angular, linear, either], [per_radian, per_meter]) in quantities {
+        let unit = |kind: Option<JointKind>| match kind {
+            Some(JointKind::Revolute) => (angular, per_radian),
+            Some(JointKind::Prismatic) => (linear, per_meter),
+            None => (either, 1.0),
+        };
+        let names =
+            joints.iter().map(|&(joint, kind)| format!("{} [{}]", measured.names[joint], unit(kind).0));
+        let colors = (0..joints.len()).map(|curve| color(PALETTE[curve % PALETTE.len()]));
+        stream.log_static(entity, &SeriesLines::new().with_names(names).with_colors(colors))?;
+
+        let JointSeries { names, time_ns, .. } = measured;
+        let rows = values.chunks_exact(names.len());
+        let scalars = rows.flat_map(|row| joints.iter().map(|&(joint, kind)| row[joint] * unit(kind).1));
+        stream.send_columns(
+            entity,
+            [times(time_ns.iter().copied())],
+            Scalars::update_fields().with_scalars(scalars).columns(vec![joints.len(); time_ns.len()])?,
+        )?;
+    }
+    Ok(())
+}
+
+fn log_monitor(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStreamError> {
+    if run.recording.monitor.is_empty() {
+        return Ok(());
+    }
+    let share = |entity, name, rgb, steps, value: fn(&MonitorSample) -> f64| {
+        log_curve(stream, run, entity, name, rgb, steps, &|sample| 100.0 * value(sample))
+    };
+    share("plot/share/velocity", "velocity", PALETTE[0], false, |sample| sample.velocity_ratio)?;
+    share("plot/share/acceleration", "acceleration", PALETTE[3], false, |sample| sample.acceleration_ratio)?;
+    share("plot/share/jerk", "jerk", PALETTE[4], true, |sample| sample.jerk_ratio)?;
+    share("plot/share/torque", "torque", PALETTE[5], false, |sample| sample.torque_ratio)?;
+    log_limit(stream, run, "plot/share/limit", 100.0)?;
+
+    let limit = |names: &[&str]| run.verdict.and_then(|verdict| verdict.limit(names));
+    log_curve(stream, run, "plot/tracking/tool", "tool", PALETTE[0], false, &|sample| {
+        1e3 * sample.tool_error_m
+    })?;
+    if let Some(limit) = limit(&["executed.tracking"]) {
+        log_limit(stream, run, "plot/tracking/limit", 1e3 * limit)?;
+    }
+    if has_clearance(run) {
+        let required = limit(&["planned.clearance"]).filter(|limit| *limit > 0.0);
+        let most = required.map_or(CLEARANCE_SHOWN, |limit| CLEARANCE_LIMITS_SHOWN * limit);
+        log_curve(stream, run, "plot/clearance/margin", "room", PALETTE[0], false, &|sample| {
+            1e3 * sample.clearance_margin_m.min(most)
+        })?;
+        log_limit(stream, run, "plot/clearance/limit", 0.0)?;
+    }
+    log_curve(stream, run, "plot/gripper/opening", "opening [mm]", PALETTE[0], false, &|sample| {
+        1e3 * sample.opening_m
+    })?;
+    log_curve(stream, run, "plot/gripper/force", "force [N]", PALETTE[5], false, &|sample| {
+        sample.grip_force_n
+    })
+}
+
+/// One curve over all monitor samples.
+fn log_curve(
+    stream: &RecordingStream,
+    run: &Run,
+    entity: &str,
+    name: &str,
+    rgb: u32,
+    steps: bool,
+    value: &dyn Fn(&MonitorSample) -> f64,
+) -> Result<(), RecordingStreamError> {
+    // A jerk holds until the next sample.
+    let mode = if steps { InterpolationMode::StepAfter } else { InterpolationMode::Linear };
+    let look = SeriesLines::new().with_names([name]).with_colors([color(rgb)]).with_interpolation_mode(mode);
+    stream.log_static(entity, &look)?;
+    let samples = &run.recording.monitor;
+    stream.send_columns(
+        entity,
+        [times(samples.iter().map(|sample| sample.time_ns))],
+        Scalars::update_fields().with_scalars(samples.iter().map(value)).columns_of_unit_batches()?,
+    )
+}
+
+/// A limit as a thin red line over the whole run.
+fn log_limit(
+    stream: &RecordingStream,
+    run: &Run,
+    entity: &str,
+    value: f64,
+) -> Result<(), RecordingStreamError> {
+    let look = SeriesLines::new().with_names(["limit"]).with_colors([color(RED)]).with_widths([1.0]);
+    stream.log_static(entity, &look)?;
+    stream.send_columns(
+        entity,
+        [times([0, run.end_ns.max(1)])],
+        Scalars::update_fields().with_scalars([value, value]).columns_of_unit_batches()?,
+    )
+}
