@@ -100,9 +100,14 @@ pub enum CandidateOutcome {
         /// Name of the phase.
         phase: String,
     },
-    /// Its clearance is neither proved nor refuted.
-    #[error("clearance is neither proved nor refuted")]
-    Undecided,
+    /// Its clearance is neither proved nor refuted: the distance of a pair is too near to the required one.
+    #[error("{a} - {b}: clearance neither proved nor refuted")]
+    Undecided {
+        /// Name of one body.
+        a: String,
+        /// Name of the other.
+        b: String,
+    },
     /// No joint positions reach the pose, whatever the limits.
     #[error("{0}")]
     OutOfReach(#[from] Unreachable),

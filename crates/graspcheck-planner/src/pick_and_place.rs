@@ -25,7 +25,7 @@ use graspcheck_model::{
     task::{Pace, PickAndPlace},
 };
 use graspcheck_motion::Trajectory;
-use graspcheck_proof::{Certificate, Scene, Violation};
+use graspcheck_proof::{Certificate, PairVerdict, Scene, Violation};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use crate::{
@@ -356,18 +356,24 @@ impl<'a> Pick<'a> {
     }
 }
 
-/// What a certificate that is not free says against its plan: the violation that is deepest of those found.
+/// What a certificate that is not free says against its plan: the violation that is deepest of those found,
+/// or a pair that is not decided.
 fn not_clear(certificate: &Certificate) -> CandidateOutcome {
     let margin = |violation: &Violation| violation.distance - violation.required;
     let deepest = certificate.violations().min_by(|(_, a), (_, b)| margin(a).total_cmp(&margin(b)));
-    deepest.map_or(CandidateOutcome::Undecided, |(pair, violation)| CandidateOutcome::TooNear {
-        a: pair.a.clone(),
-        b: pair.b.clone(),
-        distance: violation.distance,
-        required: violation.required,
-        time: violation.time,
-        phase: violation.phase.clone(),
-    })
+    if let Some((pair, violation)) = deepest {
+        return CandidateOutcome::TooNear {
+            a: pair.a.clone(),
+            b: pair.b.clone(),
+            distance: violation.distance,
+            required: violation.required,
+            time: violation.time,
+            phase: violation.phase.clone(),
+        };
+    }
+    let undecided = certificate.pairs.iter().find(|pair| !matches!(pair.verdict, PairVerdict::Free { .. }));
+    let (a, b) = undecided.map(|pair| (pair.a.clone(), pair.b.clone())).unwrap_or_default();
+    CandidateOutcome::Undecided { a, b }
 }
 
 /// The rejected candidates in order: those that got farthest first, and of these the smallest excess.

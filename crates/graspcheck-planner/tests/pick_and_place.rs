@@ -319,28 +319,25 @@ fn tasks_that_make_no_sense_are_errors_that_teach() {
 }
 
 #[test]
-fn a_slower_way_is_chosen_when_the_fastest_is_not_clear() {
+fn the_first_way_that_is_clear_is_chosen() {
     let robot = scara();
     let (object, task) = scara_pick();
     let task = Task::PickAndPlace(task);
     let open = find(&robot, &cell(0.002, &[]), Some(&object), &task, &pace(0.9)).unwrap();
-    assert!(open.certificate.unwrap().is_free());
-    // A block where the fastest way has its elbow in the middle of the carry.
-    let carry = open.plan.phases.iter().find(|phase| phase.name == "carry").unwrap();
-    let middle = open.plan.trajectory.eval(0.5 * (carry.start + carry.end)).q;
-    let elbow = robot.forward(&middle)[1].translation.vector;
-    let block = cell(0.002, &[("block", [0.02; 3], elbow.into())]);
-    let around = find(&robot, &block, Some(&object), &task, &pace(0.9)).unwrap();
-    assert!(around.certificate.unwrap().is_free());
-    let chosen = &around.candidates[0];
-    assert_eq!(chosen.outcome, CandidateOutcome::Chosen);
-    let faster: Vec<_> = around.candidates[1..]
-        .iter()
-        .filter(|c| c.moving.is_some_and(|m| m < chosen.moving.unwrap()))
-        .collect();
-    assert!(!faster.is_empty());
-    for candidate in faster {
-        assert!(matches!(candidate.outcome, CandidateOutcome::TooNear { .. }), "{}", candidate.outcome);
-    }
-    assert!(around.plan.duration() > open.plan.duration());
+    assert_eq!(open.plan.grasp.unwrap().handle, "side y");
+    // A pin where a finger would go down beside the cube's y face leaves its x faces free.
+    let pin = object.world_from_object * nalgebra::Point3::new(0.0, 0.03, 0.005);
+    let pinned = cell(0.002, &[("pin", [0.004, 0.004, 0.03], pin.coords.into())]);
+    let planned = find(&robot, &pinned, Some(&object), &task, &pace(0.9)).unwrap();
+    assert!(planned.certificate.unwrap().is_free());
+    assert_eq!(planned.plan.grasp.unwrap().handle, "side x");
+    let chosen = &planned.candidates[0];
+    assert_eq!((&chosen.outcome, chosen.handle.as_str()), (&CandidateOutcome::Chosen, "side x"));
+    let first = &planned.candidates[1];
+    assert!(first.moving <= chosen.moving && first.handle == "side y");
+    let (CandidateOutcome::TooNear { a, b, .. } | CandidateOutcome::Undecided { a, b }) = &first.outcome
+    else {
+        panic!("{}", first.outcome)
+    };
+    assert!((a.starts_with("finger") || b.starts_with("finger")) && (a == "pin" || b == "pin"), "{a} {b}");
 }
