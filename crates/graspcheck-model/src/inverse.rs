@@ -163,6 +163,13 @@ struct Target {
     rise: f64,
 }
 
+/// The angle φ₂ of the left elbow from 0 (straight) to π (folded), rad, with its sine and cosine.
+struct Bend {
+    angle: f64,
+    sin: f64,
+    cos: f64,
+}
+
 impl InverseKinematics {
     /// The inverse kinematics of `robot`.
     ///
@@ -193,23 +200,23 @@ impl InverseKinematics {
     /// When no joint positions reach the pose, whatever the limits.
     pub fn solve(&self, world_from_tool: &Pose) -> Result<Vec<InverseSolution>, Unreachable> {
         let target = self.target(world_from_tool)?;
-        let elbow_angle = self.elbow_angle(target.distance)?;
+        let elbow_bend = self.bend(target.distance)?;
         let last = self.limits.len() - 1;
         let mut solutions = Vec::with_capacity(8);
+        let mut q = vec![0.0; self.limits.len()];
+        if let Some(quill) = self.geometry.quill {
+            q[quill] = target.rise;
+        }
         for elbow in [Elbow::Left, Elbow::Right] {
-            let [shoulder, bend, wrist] = self.angles(&target, elbow, elbow_angle);
+            let [shoulder, bend, wrist] = self.angles(&target, elbow, &elbow_bend);
             for shoulder_turn in turns(shoulder, &self.limits[0]) {
+                q[0] = shoulder + TAU * f64::from(shoulder_turn);
                 for bend_turn in turns(bend, &self.limits[1]) {
+                    q[1] = bend + TAU * f64::from(bend_turn);
                     for turn in turns(wrist, &self.limits[last]) {
-                        let mut q = vec![0.0; self.limits.len()];
-                        q[0] = shoulder + TAU * f64::from(shoulder_turn);
-                        q[1] = bend + TAU * f64::from(bend_turn);
                         q[last] = wrist + TAU * f64::from(turn);
-                        if let Some(quill) = self.geometry.quill {
-                            q[quill] = target.rise;
-                        }
                         let violations = violations(&q, &self.limits);
-                        solutions.push(InverseSolution { q, elbow, turn, violations });
+                        solutions.push(InverseSolution { q: q.clone(), elbow, turn, violations });
                     }
                 }
             }
@@ -237,7 +244,7 @@ impl InverseKinematics {
         assert_eq!(near.len(), self.limits.len(), "positions for another number of joints");
         assert_eq!(q.len(), self.limits.len(), "positions for another number of joints");
         let target = self.target(world_from_tool)?;
-        let angles = self.angles(&target, elbow, self.elbow_angle(target.distance)?);
+        let angles = self.angles(&target, elbow, &self.bend(target.distance)?);
         for (joint, angle) in [0, 1, last].into_iter().zip(angles) {
             q[joint] = angle + TAU * ((near[joint] - angle) / TAU).round();
         }
@@ -285,10 +292,9 @@ impl InverseKinematics {
             return Err(Unreachable::NotFinite);
         }
         // Swing and twist about z: the swing must vanish, the twist is ψ.
-        let (swing, twist) = (i.hypot(j), k.hypot(w));
-        let tilt = 2.0 * swing.atan2(twist);
-        if tilt > POSE_TOLERANCE {
-            return Err(Unreachable::Tilted { angle: tilt });
+        let (swing, twist) = ((i * i + j * j).sqrt(), (k * k + w * w).sqrt());
+        if swing > 0.5 * POSE_TOLERANCE * twist {
+            return Err(Unreachable::Tilted { angle: 2.0 * swing.atan2(twist) });
         }
         let rise = tool.z - self.geometry.tool_height;
         if self.geometry.quill.is_none() && rise.abs() > POSE_TOLERANCE {
@@ -303,8 +309,8 @@ impl InverseKinematics {
         Ok(Target { wrist, distance: wrist.norm(), turn: 2.0 * k.atan2(w), rise })
     }
 
-    /// The angle φ₂ of the left elbow, 0 (straight) to π (folded), rad.
-    fn elbow_angle(&self, distance: f64) -> Result<f64, Unreachable> {
+    /// The elbow that puts the wrist at this distance from axis 1.
+    fn bend(&self, distance: f64) -> Result<Bend, Unreachable> {
         let (reach, hole) =
             (self.geometry.upper + self.geometry.fore, (self.geometry.upper - self.geometry.fore).abs());
         if distance - reach > REACH_TOLERANCE * reach {
@@ -313,23 +319,31 @@ impl InverseKinematics {
         if hole - distance > REACH_TOLERANCE * reach {
             return Err(Unreachable::TooNear { distance, hole, shortfall: hole - distance });
         }
-        let from_straight = (reach - distance).max(0.0) * (reach + distance);
-        let from_folded = (distance - hole).max(0.0) * (distance + hole);
-        Ok(2.0 * from_straight.sqrt().atan2(from_folded.sqrt()))
+        let from_straight = ((reach - distance).max(0.0) * (reach + distance)).sqrt();
+        let from_folded = ((distance - hole).max(0.0) * (distance + hole)).sqrt();
+        // These are 2√(l₁l₂) times sine and cosine of half the angle.
+        let whole = from_straight * from_straight + from_folded * from_folded;
+        Ok(Bend {
+            angle: 2.0 * from_straight.atan2(from_folded),
+            sin: 2.0 * from_straight * from_folded / whole,
+            cos: (from_folded * from_folded - from_straight * from_straight) / whole,
+        })
     }
 
     /// Positions of the three revolute joints on one branch, each in (−π, π].
-    fn angles(&self, target: &Target, elbow: Elbow, elbow_angle: f64) -> [f64; 3] {
-        let bend = match elbow {
-            Elbow::Left => elbow_angle,
-            Elbow::Right => -elbow_angle,
+    fn angles(&self, target: &Target, elbow: Elbow, bend: &Bend) -> [f64; 3] {
+        let side = match elbow {
+            Elbow::Left => 1.0,
+            Elbow::Right => -1.0,
         };
         // The wrist as seen from an upper arm along x; the upper arm's angle is what turns it onto the target.
-        let (sin, cos) = bend.sin_cos();
-        let seen = Vector2::new(self.geometry.upper + self.geometry.fore * cos, self.geometry.fore * sin);
+        let seen = Vector2::new(
+            self.geometry.upper + self.geometry.fore * bend.cos,
+            self.geometry.fore * side * bend.sin,
+        );
         let upper_angle = seen.perp(&target.wrist).atan2(seen.dot(&target.wrist));
         let q1 = wrap(upper_angle - self.geometry.shoulder_zero);
-        let q2 = wrap(bend - self.geometry.elbow_zero);
+        let q2 = wrap(side * bend.angle - self.geometry.elbow_zero);
         [q1, q2, wrap(target.turn - q1 - q2)]
     }
 }
@@ -383,6 +397,9 @@ impl RobotModel {
 
 /// The same direction in (−π, π], rad.
 fn wrap(angle: f64) -> f64 {
+    if -TAU / 2.0 < angle && angle <= TAU / 2.0 {
+        return angle;
+    }
     angle - TAU * ((angle - TAU / 2.0) / TAU).ceil()
 }
 

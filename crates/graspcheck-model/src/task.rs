@@ -67,13 +67,14 @@ pub struct ViaPoint {
     pub theta: f64,
 }
 
-/// The branch of the elbow.
+/// The branch of the elbow: on which side of the straight arm the forearm lies, seen against the direction
+/// of the axes. The arms of the assets are straight at position 0 of the second joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Elbow {
-    /// The second joint is at or above zero.
+    /// The second joint is at or above the position in which the arm is straight.
     Left,
-    /// The second joint is below zero.
+    /// The second joint is below that position.
     Right,
 }
 
