@@ -36,7 +36,7 @@ fn evaluation(criterion: &mut Criterion) {
 fn peaks(criterion: &mut Criterion) {
     for (name, polynomial) in [("general", general()), ("rest to rest", rest_to_rest())] {
         criterion.bench_function(&format!("peaks v a j, {name} quintic"), |bencher| {
-            bencher.iter(|| black_box(black_box(&polynomial).ranges(0.0, black_box(1.0))));
+            bencher.iter(|| black_box(black_box(&polynomial).rate_ranges(0.0, black_box(1.0))));
         });
         criterion.bench_function(&format!("position range, {name} quintic"), |bencher| {
             bencher.iter(|| black_box(black_box(&polynomial).range(0, 0.0, black_box(1.0))));

@@ -8,9 +8,9 @@
 //! and the cheaper one when there is room below the limit.
 //!
 //! **Rounding.** Let m be the degree of the derivative of order k, and u = ε/2. Forming `cᵢ hⁱ / C(m,i)` takes
-//! at most m + 2 roundings and summing m, which is an error of (2m + 2) u Σ|cᵢ hⁱ|. [`Polynomial::eval`],
-//! for which the bound shall hold too, rounds each term at most 2(m + k) + 2 times. Together that is
-//! (2m + k + 2) ε Σ|cᵢ hⁱ|; one ε more stands for the terms of second order. Each halving adds at most m u
+//! at most m + 3 roundings and summing m, which is an error of (2m + 3) u Σ|cᵢ hⁱ|. [`Polynomial::eval`],
+//! for which the bound shall hold too, rounds each term at most 2(m + k) + 2 times. Together that is less
+//! than (2m + k + 3) ε Σ|cᵢ hⁱ| by one u, which is more than the terms of second order. Each halving adds at most m u
 //! times the largest coefficient bᵢ.
 
 use crate::polynomial::{MAX_DEGREE, Polynomial};
@@ -32,15 +32,37 @@ pub enum Proof {
 /// How often an interval is halved before a proof gives up: to a width of about 1e-12 of the whole.
 const MAX_HALVINGS: u32 = 40;
 
+/// Binds the Bernstein form of a derivative to a name and evaluates an expression with it. The number of
+/// coefficients is a constant in each arm, so that every loop over them is unrolled.
+macro_rules! with_form {
+    ($polynomial:expr, $order:expr, $h:expr, $form:ident => $then:expr) => {
+        match $polynomial.degree().saturating_sub($order) {
+            0 => with_form!(@arm 1, $polynomial, $order, $h, $form, $then),
+            1 => with_form!(@arm 2, $polynomial, $order, $h, $form, $then),
+            2 => with_form!(@arm 3, $polynomial, $order, $h, $form, $then),
+            3 => with_form!(@arm 4, $polynomial, $order, $h, $form, $then),
+            4 => with_form!(@arm 5, $polynomial, $order, $h, $form, $then),
+            5 => with_form!(@arm 6, $polynomial, $order, $h, $form, $then),
+            6 => with_form!(@arm 7, $polynomial, $order, $h, $form, $then),
+            _ => with_form!(@arm 8, $polynomial, $order, $h, $form, $then),
+        }
+    };
+    (@arm $count:literal, $polynomial:expr, $order:expr, $h:expr, $form:ident, $then:expr) => {{
+        let $form = Form::<$count>::new($polynomial, $order, $h);
+        $then
+    }};
+}
+
 /// A lower and an upper bound on the derivative of the given order on `[0, h]`, in the derivative's unit.
 ///
 /// The bounds hold for the exact values of the polynomial with these coefficients and for what
 /// [`Polynomial::eval`] computes. They are NaN, or the infinite interval, when `h` or a product overflows.
 #[must_use]
 pub fn bounds(polynomial: &Polynomial, order: usize, h: f64) -> [f64; 2] {
-    let form = Form::new(polynomial, order, h);
-    let [low, high] = form.hull();
-    [low - form.slack, high + form.slack]
+    with_form!(polynomial, order, h, form => {
+        let [low, high] = form.hull();
+        [low - form.slack, high + form.slack]
+    })
 }
 
 /// Whether the derivative of the given order stays within `[lower, upper]` on `[0, h]`, proved by
@@ -50,46 +72,45 @@ pub fn proves_within(polynomial: &Polynomial, order: usize, h: f64, lower: f64, 
     if lower.is_nan() || upper.is_nan() {
         return Proof::Undecided;
     }
-    Form::new(polynomial, order, h).prove(lower, upper, [0.0, h], 0)
+    with_form!(polynomial, order, h, form => form.prove(lower, upper, [0.0, h], 0))
 }
 
-/// A polynomial in Bernstein form on some interval.
+/// A polynomial of N Bernstein coefficients, degree N - 1, on some interval.
 #[derive(Clone, Copy)]
-struct Form {
-    degree: usize,
-    coefficients: [f64; MAX_DEGREE + 1],
+struct Form<const N: usize> {
+    coefficients: [f64; N],
     /// How far rounding may have moved them.
     slack: f64,
 }
 
-impl Form {
+impl<const N: usize> Form<N> {
+    /// The form of the derivative on `[0, h]`; its degree must be below N.
     #[inline]
     fn new(polynomial: &Polynomial, order: usize, h: f64) -> Self {
-        let degree = polynomial.degree().saturating_sub(order);
-        let mut b = *polynomial.derivative_of_order(order).coefficients();
+        let mut b = [0.0; N];
         let mut power = 1.0;
         let mut sum = 0.0;
-        for (c, choose) in b[..=degree].iter_mut().zip(&BINOMIALS[degree]) {
-            *c *= power;
-            sum += c.abs();
-            *c /= choose;
+        for (i, b) in b.iter_mut().enumerate() {
+            let term = polynomial.derivative_coefficient(order, i) * power;
+            sum += term.abs();
+            *b = term * INVERSE_BINOMIALS[N - 1][i];
             power *= h;
         }
         // The binomial transform by repeated sums of neighbours.
-        for pass in 1..=degree {
-            for i in (pass..=degree).rev() {
+        for pass in 1..N {
+            for i in (pass..N).rev() {
                 b[i] += b[i - 1];
             }
         }
-        let slack = (2 * degree + order + 3) as f64 * f64::EPSILON * sum + f64::MIN_POSITIVE;
-        Self { degree, coefficients: b, slack }
+        let slack = ((2 * (N - 1) + 3) as f64 + order as f64) * f64::EPSILON * sum + f64::MIN_POSITIVE;
+        Self { coefficients: b, slack }
     }
 
     /// The least and the greatest coefficient; NaN when one is.
     #[inline]
     fn hull(&self) -> [f64; 2] {
         let first = self.coefficients[0];
-        self.coefficients[1..=self.degree].iter().fold([first, first], |[low, high], &b| {
+        self.coefficients[1..].iter().fold([first, first], |[low, high], &b| {
             if b.is_nan() { [b, b] } else { [if b < low { b } else { low }, if b > high { b } else { high }] }
         })
     }
@@ -99,7 +120,7 @@ impl Form {
         if low - self.slack >= lower && high + self.slack <= upper {
             return Proof::Within;
         }
-        for (value, tau) in [(self.coefficients[0], from), (self.coefficients[self.degree], to)] {
+        for (value, tau) in [(self.coefficients[0], from), (self.coefficients[N - 1], to)] {
             if value + self.slack < lower || value - self.slack > upper {
                 return Proof::Outside { tau };
             }
@@ -109,7 +130,7 @@ impl Form {
             return Proof::Undecided;
         }
         let middle = 0.5 * (from + to);
-        let [first, second] = self.halved();
+        let [first, second] = self.halved(low.abs().max(high.abs()));
         // A violation in the second half outranks doubt in the first.
         match first.prove(lower, upper, [from, middle], halvings + 1) {
             Proof::Within => second.prove(lower, upper, [middle, to], halvings + 1),
@@ -121,15 +142,15 @@ impl Form {
         }
     }
 
-    /// The same polynomial on the two halves of the interval (de Casteljau).
-    fn halved(&self) -> [Self; 2] {
-        let [low, high] = self.hull();
+    /// The same polynomial on the two halves of the interval (de Casteljau); `largest` is the largest
+    /// magnitude of a coefficient.
+    #[inline]
+    fn halved(&self, largest: f64) -> [Self; 2] {
         let mut first = *self;
-        first.slack += 0.5 * self.degree as f64 * f64::EPSILON * low.abs().max(high.abs());
+        first.slack += 0.5 * (N - 1) as f64 * f64::EPSILON * largest;
         let mut second = first;
-        let n = self.degree;
-        for pass in 1..=n {
-            for i in 0..=n - pass {
+        for pass in 1..N {
+            for i in 0..N - pass {
                 second.coefficients[i] = 0.5 * (second.coefficients[i] + second.coefficients[i + 1]);
             }
             first.coefficients[pass] = second.coefficients[0];
@@ -138,14 +159,17 @@ impl Form {
     }
 }
 
-/// Entry `[n][k]` is the binomial coefficient C(n, k).
-const BINOMIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = {
+/// Entry `[n][k]` is 1 / C(n, k), rounded once.
+const INVERSE_BINOMIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = {
     let mut table = [[1.0; MAX_DEGREE + 1]; MAX_DEGREE + 1];
     let mut n = 2;
     while n <= MAX_DEGREE {
+        let mut choose = 1;
         let mut k = 1;
         while k < n {
-            table[n][k] = table[n - 1][k - 1] + table[n - 1][k];
+            // C(n, k) = C(n, k - 1) (n - k + 1) / k, exact in integers.
+            choose = choose * (n - k + 1) / k;
+            table[n][k] = 1.0 / choose as f64;
             k += 1;
         }
         n += 1;
@@ -163,7 +187,7 @@ mod tests {
     #[test]
     fn coefficients_of_a_cubic() {
         // 10 - 50t + 240t² - 160t³ (cubic-1) on [0, 1]: b = 10, 10 - 50/3, 10 - 100/3 + 80, 40.
-        let form = Form::new(&Polynomial::new([10.0, -50.0, 240.0, -160.0]), 0, 1.0);
+        let form = Form::<4>::new(&Polynomial::new([10.0, -50.0, 240.0, -160.0]), 0, 1.0);
         for (b, expected) in form.coefficients.iter().zip([10.0, -20.0 / 3.0, 170.0 / 3.0, 40.0]) {
             assert!((b - expected).abs() < 1e-13, "{b} is not {expected}");
         }
@@ -172,13 +196,12 @@ mod tests {
     #[test]
     fn halves_meet_and_keep_the_ends() {
         let p = Polynomial::new(QUINTIC);
-        let [first, second] = Form::new(&p, 1, 3.0).halved();
-        let n = first.degree;
+        let [first, second] = Form::<5>::new(&p, 1, 3.0).halved(100.0);
         for (value, tau) in [
             (first.coefficients[0], 0.0),
-            (first.coefficients[n], 1.5),
+            (first.coefficients[4], 1.5),
             (second.coefficients[0], 1.5),
-            (second.coefficients[n], 3.0),
+            (second.coefficients[4], 3.0),
         ] {
             assert!((value - p.eval(tau)[1]).abs() < 1e-12);
         }

@@ -75,9 +75,23 @@ impl Polynomial {
     /// the `k`-th derivative. It takes no longer than the range of the position alone.
     #[must_use]
     pub fn ranges(&self, a: f64, b: f64) -> [[Extremum; 2]; 4] {
-        let mut ranges = [[Extremum { value: 0.0, tau: a.min(b) }; 2]; 4];
-        self.descend(0, a, b, |order, monotone| {
-            if let Some(range) = ranges.get_mut(order) {
+        self.ranges_from::<4>(0, a, b)
+    }
+
+    /// As [`Polynomial::range`] for velocity, acceleration and jerk at once, in this order: what limits are
+    /// held against. It takes no longer than the range of the velocity alone.
+    #[must_use]
+    pub fn rate_ranges(&self, a: f64, b: f64) -> [[Extremum; 2]; 3] {
+        self.ranges_from::<3>(1, a, b)
+    }
+
+    /// The ranges of N derivatives, from the one of order `lowest` up.
+    #[inline]
+    fn ranges_from<const N: usize>(&self, lowest: usize, a: f64, b: f64) -> [[Extremum; 2]; N] {
+        // Derivatives above the degree are zero, and the chain does not visit them.
+        let mut ranges = [[Extremum { value: 0.0, tau: a.min(b) }; 2]; N];
+        self.descend(lowest, a, b, |order, monotone| {
+            if let Some(range) = ranges.get_mut(order - lowest) {
                 *range = monotone.range();
             }
         });
@@ -188,7 +202,7 @@ fn quadratic_root(function: &Polynomial, start: Extremum, end: Extremum) -> f64 
 fn newton_root(function: &Polynomial, degree: usize, start: Extremum, end: Extremum) -> f64 {
     /// Newton's method squares the error: after a step this small, relative to the bracket, what is left
     /// is below rounding.
-    const LAST_STEP: f64 = 1e-9;
+    const LAST_STEP: f64 = 1e-8;
     /// Bisection alone meets the spacing of floats within as many steps as a float has bits.
     const MAX_STEPS: usize = 128;
 

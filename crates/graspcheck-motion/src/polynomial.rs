@@ -84,13 +84,16 @@ impl Polynomial {
     /// The derivative of the given order with respect to local time; each coefficient is rounded once.
     #[must_use]
     pub fn derivative_of_order(&self, order: usize) -> Self {
-        let mut coefficients = [0.0; MAX_DEGREE + 1];
-        if let Some(factors) = FALLING_FACTORIALS.get(order) {
-            for ((c, factor), from) in coefficients.iter_mut().zip(factors).zip(&self.coefficients[order..]) {
-                *c = factor * from;
-            }
+        Self { coefficients: std::array::from_fn(|i| self.derivative_coefficient(order, i)) }
+    }
+
+    /// The coefficient of τⁱ in the derivative of the given order, rounded once.
+    #[inline]
+    pub(crate) fn derivative_coefficient(&self, order: usize, i: usize) -> f64 {
+        match self.coefficients.get(order..).and_then(|coefficients| coefficients.get(i)) {
+            Some(c) => FALLING_FACTORIALS[order][i] * c,
+            None => 0.0,
         }
-        Self { coefficients }
     }
 
     /// The same polynomial in the local time that starts `shift` seconds later: `p(τ + shift)`.

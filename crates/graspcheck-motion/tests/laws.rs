@@ -97,6 +97,9 @@ proptest! {
         for (order, range) in p.ranges(0.0, h).into_iter().enumerate() {
             prop_assert_eq!(range, p.range(order, 0.0, h));
         }
+        for (range, order) in p.rate_ranges(0.0, h).into_iter().zip(1..) {
+            prop_assert_eq!(range, p.range(order, 0.0, h));
+        }
     }
 
     #[test]
@@ -201,7 +204,7 @@ proptest! {
         limits in (prop::num::f64::ANY, prop::num::f64::ANY),
     ) {
         let p = Polynomial::new(coefficients);
-        for order in 0..10 {
+        for order in (0..10).chain([usize::MAX]) {
             let [low, high] = p.range(order, a, b);
             // Either an honest order or NaN, which no limit admits.
             prop_assert!(low.value <= high.value || (low.value.is_nan() && high.value.is_nan()));

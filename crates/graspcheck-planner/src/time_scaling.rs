@@ -566,7 +566,7 @@ mod tests {
         }
         let law = TimeScaling::s_curve(1.0, 1.0, 1.0, 1.0).unwrap();
         assert!(matches!(law.stretched_to(0.0), Err(ScalingError::NotPositive { quantity: "duration", .. })));
-        assert!(matches!(TimeScaling::cubic(1e300, 1e300, 1e300, 1e300), Ok(_)));
+        assert!(TimeScaling::cubic(1e300, 1e300, 1e300, 1e300).is_ok());
         assert!(matches!(law.stretched_to(1e-200), Err(ScalingError::Overflow { .. })));
     }
 
