@@ -84,6 +84,6 @@ mod tests {
         let drive = GripperDrive::new(&robot.gripper, None);
         let speed = robot.gripper.finger_speed;
         let velocity = |opening, measured| drive.command(Holding::Nothing, opening, 0.0, measured).velocity;
-        assert_eq!([velocity(0.08, 0.0), velocity(0.0, 0.08)], [speed, -speed]);
+        assert_eq!((velocity(0.08, 0.0), velocity(0.0, 0.08)), (speed, -speed));
     }
 }

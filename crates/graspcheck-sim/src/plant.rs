@@ -25,7 +25,7 @@ use rapier3d::{
         MultibodyDofCoupling, MultibodyJointHandle, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
     },
     geometry::{ColliderBuilder, ContactPair, SharedShape},
-    math::Vector,
+    math::{Pose as RapierPose, Vector},
     pipeline::{ActiveHooks, PhysicsHooks, PhysicsWorld},
 };
 
@@ -363,10 +363,10 @@ impl Builder {
         let handle = self.world.insert_body(body);
         for placed in shapes {
             let (body_from_shape, shape) = rapier_shape(name, placed)?;
+            let body_from_collider = convert::to_rapier(&body_from_shape);
             let collider = ColliderBuilder::new(shape)
-                .position(convert::to_rapier(&body_from_shape))
-                // Mass comes from the inertial data, not from shapes.
-                .density(0.0)
+                .position(body_from_collider)
+                .mass_properties(massless(&body_from_collider))
                 .friction(friction)
                 .restitution(0.0)
                 .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
@@ -463,9 +463,23 @@ fn dynamic(inertial: &Inertial) -> RigidBodyBuilder {
     RigidBodyBuilder::dynamic().can_sleep(false).additional_mass_properties(mass_properties(inertial))
 }
 
-/// Mass properties with principal axes of our own: `MassProperties::with_inertia_matrix` of parry 0.31.1
-/// reads eigenvectors that form a reflection as if they were a rotation, which swaps principal inertias
-/// (seen on a finger of 2.9, 11 and 13 mg·m²).
+/// Mass properties of a shape that has none: mass comes from the inertial data alone.
+///
+/// Rapier moves them into the body's frame and adds them to the body's. Where the outcome of that move is
+/// zero to the bit, which it is for shapes that are not turned, the sum is left out; otherwise the body's
+/// principal axes are computed again, see [`mass_properties`].
+fn massless(body_from_collider: &RapierPose) -> MassProperties {
+    let collider_from_body = body_from_collider.inverse();
+    MassProperties {
+        local_com: collider_from_body.translation,
+        principal_inertia_local_frame: collider_from_body.rotation,
+        ..MassProperties::default()
+    }
+}
+
+/// Mass properties with principal axes of our own. Those of `MassProperties::with_inertia_matrix` are wrong
+/// for small bodies: glamx 0.3.1 takes x for the first axis when products of differences of principal
+/// inertias are below 1e-10 kg²·m⁴ (seen on a finger of 2.9, 11 and 13 mg·m²).
 fn mass_properties(inertial: &Inertial) -> MassProperties {
     let eigen = inertial.tensor.symmetric_eigen();
     let mut axes = eigen.eigenvectors;

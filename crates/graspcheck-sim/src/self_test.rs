@@ -188,6 +188,32 @@ mod tests {
     }
 
     #[test]
+    fn small_inertias_keep_their_principal_axes() {
+        // With parry's own eigenvectors this finger, of some mg·m², had two principal inertias swapped.
+        let moments = [[1.3e-5, 1.1e-5, 2.9e-6], [2.9e-6, 1.3e-5, 1.1e-5], [1.1e-7, 3.0e-7, 2.5e-7]];
+        let tilt = nalgebra::Rotation3::from_euler_angles(0.3, -0.7, 1.1);
+        for rotation in [nalgebra::Rotation3::identity(), tilt] {
+            for moments in moments {
+                let mut robot = fixtures::scara();
+                for finger in &mut robot.gripper.fingers {
+                    let principal = Matrix3::from_diagonal(&Vector3::from(moments));
+                    finger.link.inertial.tensor =
+                        rotation.matrix() * principal * rotation.matrix().transpose();
+                }
+                // Light links, so that the fingers' inertia is no small share of the whole.
+                for link in &mut robot.links {
+                    link.inertial.mass *= 1e-3;
+                    link.inertial.tensor *= 1e-3;
+                }
+                for joint in &mut robot.joints {
+                    joint.rotor_inertia = 0.0;
+                }
+                assert_eq!(test(&robot, &robot), Ok(()), "{moments:?}");
+            }
+        }
+    }
+
+    #[test]
     fn an_inertia_that_is_not_rotated_is_found() {
         let built = fixtures::tilted();
         let mut modelled = built.clone();
