@@ -12,7 +12,9 @@ use graspcheck_model::{
     robot::{Joint, RobotModel},
     task::{PhasePace, PickAndPlace, Task},
 };
-use graspcheck_planner::{CandidateOutcome, PlanError, find, opening::SQUEEZE, plan};
+use graspcheck_planner::{
+    CandidateOutcome, PlanError, branch::BranchFault, candidate::Stage, find, opening::SQUEEZE, plan,
+};
 use robots::{bench_with_wall, cell, cube, pace, pose, rrr, rrr_pick, scara, scara_pick};
 
 /// Distance (m) and angle (rad) between two poses.
@@ -340,4 +342,49 @@ fn the_first_way_that_is_clear_is_chosen() {
         panic!("{}", first.outcome)
     };
     assert!((a.starts_with("finger") || b.starts_with("finger")) && (a == "pin" || b == "pin"), "{a} {b}");
+}
+
+#[test]
+fn a_half_turn_of_the_gripper_leaves_the_object_as_it_is() {
+    let robot = scara();
+    let (object, mut task) = scara_pick();
+    let mut turned = [false, false];
+    for wrist in [1.0, 2.5, 4.0, 5.5, 7.0] {
+        task.start[3] = wrist;
+        let pick = Task::PickAndPlace(task.clone());
+        let planned = find(&robot, &bench_with_wall(), Some(&object), &pick, &pace(0.9)).unwrap();
+        // Object poses at grasp and place are checked in there.
+        check_pick(&robot, &object, &task, 0.9, &planned.plan);
+        turned[usize::from(planned.candidates[0].half_turn)] = true;
+    }
+    assert_eq!(turned, [true, true], "both must have been looked at");
+}
+
+#[test]
+fn an_approach_from_out_of_reach_is_located_on_the_way_to_the_grasp() {
+    let robot = rrr();
+    let (mut object, mut task) = rrr_pick(std::f64::consts::PI);
+    let outcome = |object: &Object, task: &PickAndPlace| {
+        let pick = Task::PickAndPlace(task.clone());
+        let error = plan(&robot, &cell(0.0, &[]), Some(object), &pick, &pace(1.0)).unwrap_err();
+        let PlanError::Unreachable(nothing) = error else { panic!("{error}") };
+        // Not those at the place, nor the half turns, which a planar arm cannot make.
+        let candidates = nothing.candidates.into_iter();
+        candidates.filter(|c| c.grasp.is_some()).map(|c| (c.stage, c.outcome)).next().unwrap()
+    };
+    // The tool points along −x, so the wrist is 1 m further out: 6.5 m at the grasp, 7.3 m before it.
+    object.world_from_object = pose([5.5, 0.0, 0.0], [0.0, 0.0, std::f64::consts::PI]);
+    task.pregrasp_distance = 0.8;
+    let (stage, CandidateOutcome::Line { at, fault }) = outcome(&object, &task) else {
+        panic!("the approach must fail")
+    };
+    let BranchFault::OutOfReach { until, .. } = fault else { panic!("{fault}") };
+    assert_eq!(stage, Stage::Descend);
+    assert!(at.abs() < 1e-9 && (until - 0.375).abs() < 1e-6, "{at} {until}");
+    // At 6.998 m before it the arm is too straight there, at the beginning of the approach.
+    task.pregrasp_distance = 0.498;
+    let (_, CandidateOutcome::Line { at, fault }) = outcome(&object, &task) else {
+        panic!("the approach must fail")
+    };
+    assert!(matches!(fault, BranchFault::NearSingular { .. }) && at.abs() < 1e-9, "{at}: {fault}");
 }
