@@ -59,7 +59,7 @@ fn results_root(root: &Path) -> PathBuf {
 
 fn judge(path: &Path, name: &str, results: &Path) -> Result<(), Failed> {
     let scenario = load(path).map_err(|error| report::faults(&error, false))?;
-    let run = run_scenario(&scenario, &mut Silent).map_err(|error| report::no_run(&error, false))?;
+    let run = run_scenario(&scenario, &mut Silent).map_err(|error| report::plain(&report::no_run(&error, &scenario.resolved.robot)))?;
     let stored = store::store(&run.recording, name, results).map_err(|error| error.to_string())?;
     if run.verdict.as_expected {
         return Ok(());

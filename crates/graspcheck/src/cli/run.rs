@@ -78,7 +78,7 @@ fn carry_out(selected: &Selected, arguments: &RunArguments, observer: &mut dyn O
         scenario.resolved.execution = None;
     }
     let run = run_scenario(&scenario, observer)
-        .map_err(|error| (report::exit_code(&error), report::no_run(&error, true)))?;
+        .map_err(|error| (report::exit_code(&error), report::no_run(&error, &scenario.resolved.robot)))?;
     let stored = store::store(&run.recording, &scenario.resolved.name, &arguments.out)
         .map_err(|error| (exit::BUG, format!("error: {error}\n")))?;
     Ok((scenario, run, stored))

@@ -25,7 +25,8 @@ pub fn faults(error: &LoadError, styled: bool) -> String {
 
 fn groups<'a>(fault: &'a Fault, sources: &'a [Source]) -> Vec<Group<'a>> {
     let title = Level::ERROR.primary_title(fault.title.as_str()).id(fault.code.as_str());
-    let Some(source) = sources.get(fault.source) else {
+    // A file that could not be read has no line to show.
+    let Some(source) = sources.get(fault.source).filter(|source| !source.text.is_empty()) else {
         return vec![Group::with_title(title)];
     };
     let annotation = AnnotationKind::Primary.span(fault.span.clone()).label(fault.label.as_str());

@@ -15,5 +15,5 @@ pub use fault::faults;
 pub use quantity::{Rounding, against, instant, margin, quantity};
 pub use sentence::{is_lower_limit, motion, sentence, subject, word};
 pub use table::{DIM, FAILED, NAME, PASSED, UNDECIDED, checks, strip};
-pub use unreachable::no_run;
-pub use verdict::{failure, last_line, page};
+pub use unreachable::{exit_code, no_run};
+pub use verdict::{failure, last_line, page, plain};

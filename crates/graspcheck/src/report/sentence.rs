@@ -24,7 +24,7 @@ pub fn subject(result: &CheckResult) -> String {
 
 /// Which way a bound on the value must be rounded: towards the limit, so that it stays a bound.
 #[must_use]
-pub fn rounding(result: &CheckResult) -> Rounding {
+pub(super) fn rounding(result: &CheckResult) -> Rounding {
     match (result.value_is_bound, is_lower_limit(result)) {
         (false, _) => Rounding::Nearest,
         (true, true) => Rounding::Down,

@@ -86,11 +86,16 @@ pub fn last_line(verdict: &Verdict) -> String {
     }
 }
 
+/// A text without its colours.
+#[must_use]
+pub fn plain(text: &str) -> String {
+    anstream::adapter::strip_str(text).to_string()
+}
+
 /// The text of a failing test: no colour, what failed in sentences, and what passed in one line.
 #[must_use]
 pub fn failure(verdict: &Verdict) -> String {
-    let plain = |text: String| anstream::adapter::strip_str(&text).to_string();
-    let mut text = plain(last_line(verdict));
+    let mut text = plain(&last_line(verdict));
     text.push('\n');
     for result in verdict.checks.iter().filter(|r| matches!(r.outcome, Outcome::Fail | Outcome::Inconclusive)) {
         text.push_str(&format!("\n  {}  {}", result.check, sentence(result)));
