@@ -118,9 +118,9 @@ impl<'a> Knots<'a> {
 
     /// The steps of all joints at an inner knot.
     fn steps(&self, knot: usize) -> impl Iterator<Item = Step> {
-        /// A coefficient is the result of about ten operations and evaluation takes twenty more. On a
-        /// short piece the terms of an acceleration can be far larger than their sum.
-        const ROUNDING: f64 = 100.0 * f64::EPSILON;
+        /// A quintic through given states sums terms such as `q₁ - q₀` and `v h`, which nearly cancel, with
+        /// factors of several hundred in all. On a short piece its acceleration is wrong by this times v/h.
+        const ROUNDING: f64 = 1000.0 * f64::EPSILON;
 
         let [start, end] = [self.knots[knot - 1], self.knots[knot]];
         // Both knots are rounded to the spacing of floats, which late in a motion shows in the next
@@ -131,11 +131,12 @@ impl<'a> Knots<'a> {
             let left = before.eval(end - start);
             let right = self.pieces[knot * self.dof + joint].eval(0.0);
             let terms = before.magnitudes().eval(end - start);
+            let change = terms[1] * (end - start);
             Step {
                 size: std::array::from_fn(|order| right[order] - left[order]),
                 tolerance: std::array::from_fn(|order| {
                     SMOOTH_TOLERANCE * self.scales[joint][order]
-                        + ROUNDING * terms[order]
+                        + ROUNDING * terms[order].max(change / (end - start).powi(order as i32))
                         + time_error * left[order + 1].abs()
                 }),
             }
@@ -216,9 +217,9 @@ mod tests {
 
     #[test]
     fn short_pieces_that_fit_have_no_break() {
-        // A sine by quintic pieces of 20 µs: the terms of the acceleration at a knot are a million times
-        // larger than the acceleration.
-        let h = 2e-5;
+        // A sine by quintic pieces of 0.2 µs: the terms of the acceleration at a knot are a hundred million
+        // times larger than the acceleration.
+        let h = 2e-7;
         let state = |i: usize| {
             let (sin, cos) = (i as f64 * h + 1.0).sin_cos();
             [sin, cos, -sin]

@@ -275,10 +275,9 @@ mod tests {
 
     #[test]
     fn a_peak_at_the_end_can_be_evaluated() {
-        // Knots whose difference does not add up again.
-        let knots = vec![0.0, 0.1, 0.1 + 0.7];
+        // 0.3 + (0.9 - 0.3) is one unit in the last place above 0.9.
         let pieces = vec![Polynomial::constant(0.0), Polynomial::new([0.0, 1.0])];
-        let motion = Trajectory::new(1, knots, pieces).unwrap();
+        let motion = Trajectory::new(1, vec![0.0, 0.3, 0.9], pieces).unwrap();
         let peak = motion.peak(0, 0);
         assert!(peak.time <= motion.duration());
         assert!((motion.eval(peak.time).q[0] - peak.value).abs() < 1e-15);
