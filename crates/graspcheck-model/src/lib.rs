@@ -11,8 +11,9 @@
 //! in which it approaches), its **y axis is the direction in which the fingers close**. A handle H on an
 //! object has its x axis pointing towards the object; the object is grasped when T and H coincide.
 //!
-//! Reading order: [`shape`], [`inertia`], [`robot`], [`cell`], [`object`], [`task`], [`plan`],
-//! [`execution`], [`settings`].
+//! Reading order. The data: [`shape`], [`inertia`], [`robot`], [`cell`], [`object`], [`task`], [`plan`],
+//! [`execution`]. What is computed from it: [`kinematics`], [`structure`] and [`inverse`], [`dynamics`].
+//! Where a robot comes from: [`urdf`] and [`settings`], put together by [`assemble`].
 
 pub mod assemble;
 pub mod cell;

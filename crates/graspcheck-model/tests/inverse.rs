@@ -2,6 +2,8 @@
 
 mod arms;
 
+use std::f64::consts::{PI, TAU};
+
 use graspcheck_model::{
     Pose,
     inverse::{InverseKinematics, PlanarWrist, Unreachable},
@@ -34,6 +36,10 @@ fn check_solutions(robot: &RobotModel, q: &[f64]) -> Result<(), TestCaseError> {
             (joint.limits.position_min - 1e-9..=joint.limits.position_max + 1e-9).contains(&value)
         });
         prop_assert_eq!(legal, solution.is_legal());
+    }
+    for solution in &solutions {
+        let wrapped = solution.q[q.len() - 1] - TAU * f64::from(solution.turn);
+        prop_assert!(wrapped > -PI - 1e-12 && wrapped < PI + 1e-12, "turn {} of {solution:?}", solution.turn);
     }
     for elbow in [Elbow::Left, Elbow::Right] {
         prop_assert!(solutions.iter().any(|solution| solution.elbow == elbow));
@@ -174,11 +180,11 @@ fn the_planar_example_has_the_known_angles_on_both_branches() {
 fn a_joint_at_half_a_turn_has_both_ends_of_its_range() {
     // q₃ = ±180° exactly: the hand folded back on the forearm.
     let robot = arms::rrr();
-    let q = [0.3, 0.5, std::f64::consts::PI];
+    let q = [0.3, 0.5, PI];
     let solutions = robot.inverse(&robot.world_from_tool(&q)).unwrap();
     let ends: Vec<f64> = solutions.iter().filter(|s| s.elbow == Elbow::Left).map(|s| s.q[2]).collect();
     assert_eq!(ends.len(), 2, "{solutions:?}");
-    assert!((ends[0] + std::f64::consts::PI).abs() < 1e-12 && (ends[1] - std::f64::consts::PI).abs() < 1e-12);
+    assert!((ends[0] + PI).abs() < 1e-12 && (ends[1] - PI).abs() < 1e-12);
 }
 
 /// The number of legal solutions on the left elbow when the tool's yaw q₁ + q₂ + q₄ leaves q₄ at `wrist_deg`.
@@ -303,15 +309,15 @@ fn a_tool_upside_down_leans_half_a_turn() {
     let planar = arms::rrr();
     let flipped = Pose::from_parts(
         Vector3::new(3.0, 1.0, 0.0).into(),
-        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI),
+        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI),
     );
     let Err(Unreachable::Tilted { angle }) = planar.inverse(&flipped) else { panic!("reached") };
-    assert!((angle - std::f64::consts::PI).abs() < 1e-12);
+    assert!((angle - PI).abs() < 1e-12);
 }
 
 #[test]
 fn the_straight_and_the_folded_arm_are_reached() {
-    for q in [[0.3, 0.0, -0.1, 1.0], [0.3, std::f64::consts::PI, -0.1, 1.0]] {
+    for q in [[0.3, 0.0, -0.1, 1.0], [0.3, PI, -0.1, 1.0]] {
         let robot = arms::scara();
         let pose = robot.world_from_tool(&q);
         for solution in robot.inverse(&pose).unwrap() {

@@ -42,6 +42,8 @@ const FORM: &[Spoiled] = table![
         "robot small: unknown element <gazebo> in <robot>" / "gazebo" / "not read by graspcheck";
     "<axis xyz=\"0 0 1\"/>" => "<axis xyz=\"0 0 1\"><speed/></axis>":
         "joint shoulder: unknown element <speed> in <axis>" / "speed" / "not read by graspcheck";
+    "<robot name=\"small\">" => "<robot name=\"small\" xmlns:x=\"urn:x\"><x:link name=\"y\"/>":
+        "robot small: unknown element <x:link> in <robot>" / "x:link" / "not read by graspcheck";
     "friction=\"0.25\"" => "frictoin=\"0.25\"":
         "joint shoulder: unknown attribute `frictoin` of <dynamics>" / "frictoin" / "did you mean `friction`?";
     "<mass value=\"2\"/>" => "<mass value=\"2\" unit=\"kg\"/>":

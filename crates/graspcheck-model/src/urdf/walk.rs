@@ -32,7 +32,7 @@ fn check_element(text: &str, node: Node<'_, '_>, rule: &'static Element, faults:
     check_attributes(text, node, rule, faults);
     for child in node.children() {
         if child.is_element() {
-            match rule.children.iter().find(|known| known.element.name == child.tag_name().name()) {
+            match rule.children.iter().find(|known| is_named(node, child, known.element.name)) {
                 Some(known) => {
                     let first = named_children(node, known.element.name).next();
                     if known.count != Count::Any && first != Some(child) {
@@ -69,7 +69,7 @@ fn check_element(text: &str, node: Node<'_, '_>, rule: &'static Element, faults:
 }
 
 fn unknown_element(text: &str, node: Node<'_, '_>, parent: &Element) -> UrdfFault {
-    let name = node.tag_name().name();
+    let name = &text[name_span(text, node)];
     let known: Vec<&str> = parent.children.iter().map(|child| child.element.name).collect();
     UrdfFault {
         span: name_span(text, node),
@@ -180,7 +180,13 @@ pub(super) fn named_children<'a, 'input: 'a>(
     node: Node<'a, 'input>,
     name: &'static str,
 ) -> impl Iterator<Item = Node<'a, 'input>> {
-    node.children().filter(move |child| child.is_element() && child.tag_name().name() == name)
+    node.children().filter(move |child| is_named(node, *child, name))
+}
+
+/// Whether a child is an element of this name in the namespace of its parent: `<x:link>` is no link.
+fn is_named(parent: Node<'_, '_>, child: Node<'_, '_>, name: &str) -> bool {
+    let tag = child.tag_name();
+    child.is_element() && tag.name() == name && tag.namespace() == parent.tag_name().namespace()
 }
 
 /// The link, joint or robot that an element belongs to, for the start of a message.
