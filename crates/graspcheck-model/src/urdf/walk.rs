@@ -69,11 +69,11 @@ fn check_element(text: &str, node: Node<'_, '_>, rule: &'static Element, faults:
 }
 
 fn unknown_element(text: &str, node: Node<'_, '_>, parent: &Element) -> UrdfFault {
-    let name = &text[name_span(text, node)];
+    let (name, owner) = (&text[name_span(text, node)], node.parent_element().unwrap_or(node));
     let known: Vec<&str> = parent.children.iter().map(|child| child.element.name).collect();
     UrdfFault {
         span: name_span(text, node),
-        title: format!("{}: unknown element <{name}> in <{}>", place(node), parent.name),
+        title: format!("{}: unknown element <{name}> in <{}>", place(owner), parent.name),
         label: match nearest(name, &known) {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => "not read by graspcheck".to_owned(),
