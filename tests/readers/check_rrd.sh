@@ -13,18 +13,27 @@ file=${1:?usage: check_rrd.sh RUN.rrd [SAME_RUN_AGAIN.rrd]}
 "$rerun" rrd verify "$file"
 
 entities=$("$rerun" rrd print "$file" 2>/dev/null)
-for entity in /world /state/phase /state/verdict/ /events /verdict /plot/share/jerk /plot/tracking/tool \
-    /joints/position /world/run/tool_path /world/robot/ /world/cell/; do
-    case $entities in
-        *"$entity"*) ;;
-        *) echo "$file: nothing is logged at $entity" >&2; exit 1 ;;
-    esac
-done
+holds() {
+    case $entities in *"$1"*) true ;; *) false ;; esac
+}
+needs() {
+    for entity; do
+        holds "$entity" || { echo "$file: nothing is logged at $entity" >&2; exit 1; }
+    done
+}
+needs /world /events /verdict /state/phase /state/verdict/ /world/plan/
+# A run that was only planned has no curves; one that was executed has them all, and a robot that moves.
+if holds /joints/ || holds /plot/ || holds /world/run/; then
+    needs /joints/position /joints/velocity /joints/effort /world/run/tool_path /world/robot/ \
+        /plot/share/velocity /plot/share/acceleration /plot/share/jerk /plot/share/torque /plot/share/limit \
+        /plot/tracking/tool /plot/gripper/opening /plot/gripper/force
+fi
 
 # The only timeline is simulated time: no wall clock reaches a recording.
-case $entities in
-    *log_time*|*log_tick*) echo "$file: it holds a timeline of the wall clock" >&2; exit 1 ;;
-esac
+if holds log_time || holds log_tick; then
+    echo "$file: it holds a timeline of the wall clock" >&2
+    exit 1
+fi
 
 if [ $# -gt 1 ]; then
     "$rerun" rrd compare --unordered "$file" "$2"

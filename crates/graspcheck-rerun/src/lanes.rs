@@ -1,7 +1,5 @@
 //! Lanes of phases and checks, and the log of events.
 
-use std::collections::BTreeMap;
-
 use graspcheck_recording::Level;
 use rerun::{
     EntityPath, EntityPathPart, RecordingStream, RecordingStreamError, StateChange, StateConfiguration,
@@ -14,7 +12,7 @@ use crate::{
 };
 
 /// Lanes of checks; more would not fit, and those that fail have one in any case.
-const MOST_CHECKS: usize = 5;
+const MOST_CHECKS: usize = 4;
 
 /// The least share of the run that a violation is shown with: 7 ms of 3 s would be one pixel.
 const LEAST_SHOWN: f64 = 0.015;
@@ -22,6 +20,10 @@ const LEAST_SHOWN: f64 = 0.015;
 /// Darker than the red of a violation, which is what must be seen.
 const OK: u32 = 0x002c_5a3c;
 const UNDECIDED: u32 = 0x00b0_8a1e;
+
+/// The state after the end of the run, which is not shown. (A lane could also end without a state, but the
+/// viewer's own verification does not accept that.)
+const ENDED: &str = "ended";
 
 pub(crate) fn log(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStreamError> {
     log_phases(stream, run)?;
@@ -52,10 +54,7 @@ fn log_phases(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStream
             colors.push((&phase.message, path.map_or(fallback, crate::scene::marker_color)));
         }
     }
-    let look = StateConfiguration::new()
-        .with_values(colors.iter().map(|(name, _)| *name))
-        .with_colors(colors.iter().map(|(_, color)| *color));
-    stream.log_static("state/phase", &look)?;
+    stream.log_static("state/phase", &look(&colors))?;
     for phase in phases {
         set_time(stream, phase.time_ns);
         stream.log("state/phase", &StateChange::single(&*phase.message))?;
@@ -80,11 +79,9 @@ fn log_check(stream: &RecordingStream, run: &Run, check: &Check) -> Result<(), R
         (Outcome::Fail, None) => ("violated", RED),
         _ => ("ok", OK),
     };
-    let red = violated.iter().map(|(text, _)| (text.as_str(), color(RED)));
-    let states: BTreeMap<&str, rerun::Color> = [(calm, color(calm_color))].into_iter().chain(red).collect();
-    let look =
-        StateConfiguration::new().with_values(states.keys().copied()).with_colors(states.values().copied());
-    stream.log_static(entity.clone(), &look)?;
+    let mut states = vec![(calm, color(calm_color))];
+    states.extend(violated.iter().map(|(text, _)| (text.as_str(), color(RED))));
+    stream.log_static(entity.clone(), &look(&states))?;
 
     let change = |time_ns: i64, state: &str| {
         set_time(stream, time_ns);
@@ -112,10 +109,20 @@ fn widened([first, last]: [i64; 2], end: i64) -> [i64; 2] {
     [first, (last + missing - missing / 2).clamp(first, end)]
 }
 
-/// Nothing holds after the end of the run.
+/// Ends a lane with the run.
 fn end_lane(stream: &RecordingStream, run: &Run, entity: &EntityPath) -> Result<(), RecordingStreamError> {
     set_time(stream, run.end_ns);
-    stream.log(entity.clone(), &StateChange::new().with_state_opt([None::<&str>]))
+    stream.log(entity.clone(), &StateChange::single(ENDED))
+}
+
+/// How the states of a lane look.
+fn look(states: &[(&str, rerun::Color)]) -> StateConfiguration {
+    let ended = (ENDED, color(0));
+    let all = || states.iter().chain([&ended]);
+    StateConfiguration::new()
+        .with_values(all().map(|(name, _)| *name))
+        .with_colors(all().map(|(_, color)| *color))
+        .with_visible(all().map(|(name, _)| *name != ENDED))
 }
 
 fn log_events(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStreamError> {

@@ -9,7 +9,7 @@ use rerun::{
     time::TimeInt,
 };
 
-use crate::{Run, TIMELINE, nanoseconds, plots};
+use crate::{Run, TIMELINE, nanoseconds, plots, verdict::Verdict};
 
 /// Shown before and after the first violation when it is selected, s.
 const AROUND_VIOLATION: f64 = 0.15;
@@ -26,13 +26,13 @@ pub(crate) fn blueprint(run: &Run) -> Blueprint {
 
     let mut right: Vec<(ContainerLike, f32)> = Vec::new();
     if run.verdict.is_some() {
-        right.push((TextDocumentView::new("Verdict").with_origin("verdict").into(), 1.25));
+        right.push((TextDocumentView::new("Verdict").with_origin("verdict").into(), 1.95));
     }
     if plots::has_clearance(run) {
-        right.push((curves("Clearance beyond what is required [mm]", "plot/clearance"), 1.0));
+        right.push((curves("Clearance beyond what is required [mm]", "plot/clearance"), 0.85));
     }
     if !run.recording.monitor.is_empty() {
-        right.push((curves("Share of limit, worst joint [%]", "plot/share"), 1.0));
+        right.push((curves("Share of limit, worst joint [%]", "plot/share"), 1.15));
     }
     let mut tabs: Vec<ContainerLike> = vec![TextLogView::new("Events").with_origin("events").into()];
     if !run.recording.measured.is_empty() {
@@ -51,7 +51,7 @@ pub(crate) fn blueprint(run: &Run) -> Blueprint {
         .with_state(PanelState::Collapsed)
         .with_timeline(TIMELINE)
         .with_play_state(PlayState::Paused);
-    if let Some([first, last]) = run.verdict.and_then(|verdict| verdict.first_violation()) {
+    if let Some([first, last]) = run.verdict.and_then(Verdict::first_violation) {
         let at = |seconds: f64| TimeInt::new_temporal(nanoseconds(seconds).clamp(0, run.end_ns));
         time = time
             .with_loop_mode(LoopMode::Selection)

@@ -7,11 +7,15 @@ use rerun::{RecordingStream, RecordingStreamError, Scalars, SeriesLines, compone
 
 use crate::{PALETTE, RED, Run, color, joint_units::arm_joints, times};
 
-/// What is shown of a clearance when no limit is known, m.
-const CLEARANCE_SHOWN: f64 = 0.05;
+/// The least range of clearances that is shown, m.
+const CLEARANCE_SHOWN: f64 = 0.02;
 
-/// A plot shows clearances up to this many times their limit; more would hide the limit.
-const CLEARANCE_LIMITS_SHOWN: f64 = 10.0;
+/// A plot shows clearances up to this many times the required one, and up to this many times the least one;
+/// more would hide both.
+const CLEARANCES_SHOWN: f64 = 5.0;
+
+/// Entries of the palette for joints, so that neighbours differ most.
+const JOINT_COLORS: [usize; 8] = [0, 5, 3, 4, 2, 1, 6, 7];
 
 /// Degrees in a radian.
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -56,7 +60,7 @@ fn log_joints(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStream
         };
         let names =
             joints.iter().map(|&(joint, kind)| format!("{} [{}]", measured.names[joint], unit(kind).0));
-        let colors = (0..joints.len()).map(|curve| color(PALETTE[curve % PALETTE.len()]));
+        let colors = JOINT_COLORS.into_iter().cycle().take(joints.len()).map(|entry| color(PALETTE[entry]));
         stream.log_static(entity, &SeriesLines::new().with_names(names).with_colors(colors))?;
 
         let JointSeries { names, time_ns, .. } = measured;
@@ -92,8 +96,10 @@ fn log_monitor(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStrea
         log_limit(stream, run, "plot/tracking/limit", 1e3 * limit)?;
     }
     if has_clearance(run) {
-        let required = limit(&["planned.clearance"]).filter(|limit| *limit > 0.0);
-        let most = required.map_or(CLEARANCE_SHOWN, |limit| CLEARANCE_LIMITS_SHOWN * limit);
+        let margins = run.recording.monitor.iter().map(|sample| sample.clearance_margin_m);
+        let least = margins.fold(f64::INFINITY, f64::min);
+        let required = limit(&["planned.clearance"]).unwrap_or(0.0);
+        let most = (CLEARANCES_SHOWN * required.max(least)).max(CLEARANCE_SHOWN);
         log_curve(stream, run, "plot/clearance/margin", "room", PALETTE[0], false, &|sample| {
             1e3 * sample.clearance_margin_m.min(most)
         })?;

@@ -2,14 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use graspcheck_recording::{Marker, MarkerShape, PoseSeries, Recording, recording::PoseRow};
+use graspcheck_recording::{ContactSample, Marker, MarkerShape, PoseSeries, Recording, recording::PoseRow};
 use rerun::{
     Arrows3D, Boxes3D, Color, Cylinders3D, Ellipsoids3D, EntityPath, EntityPathPart, FillMode, LineStrips3D,
     Mesh3D, Points3D, Radius, RecordingStream, RecordingStreamError, Transform3D, ViewCoordinates,
     datatypes::Quaternion,
 };
 
-use crate::{RED, Run, color, nanoseconds, quantity::pair, times, verdict::Check};
+use crate::{
+    RED, Run, color, nanoseconds, times,
+    verdict::{Check, Outcome},
+};
 
 /// The root of the tree of frames.
 const WORLD: &str = "world";
@@ -26,6 +29,9 @@ const ARROW_PERIOD: i64 = 10_000_000;
 /// Length of the arrow of a force, m/N.
 const ARROW_SCALE: f64 = 0.01;
 
+/// Green: forces and the tightest place of a run that passes.
+const FORCE_AND_ROOM: u32 = 0x006f_c281;
+
 /// The least force that has an arrow, N.
 const LEAST_FORCE: f64 = 0.01;
 
@@ -36,8 +42,15 @@ pub(crate) fn log(stream: &RecordingStream, run: &Run) -> Result<(), RecordingSt
     log_markers(stream, run.recording, &entities)?;
     log_tool_path(stream, &run.recording.tool)?;
     log_contacts(stream, run)?;
-    for check in run.verdict.iter().flat_map(|verdict| verdict.failing()) {
-        log_failure(stream, run.recording, check)?;
+    if let Some(verdict) = run.verdict {
+        for check in verdict.failing() {
+            log_failure(stream, run.recording, check)?;
+        }
+        let clearance = verdict.checks.iter().find(|check| check.check == "planned.clearance");
+        if let Some(check) = clearance.filter(|_| verdict.outcome == Outcome::Pass) {
+            let tightest = path([WORLD, "proof", "tightest"]);
+            log_place(stream, run.recording, check, tightest, color(FORCE_AND_ROOM))?;
+        }
     }
     Ok(())
 }
@@ -175,8 +188,7 @@ fn log_tool_path(stream: &RecordingStream, tool: &PoseSeries) -> Result<(), Reco
 
 /// The normal force of each pair at its deepest point, every 10 ms.
 fn log_contacts(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStreamError> {
-    let mut pairs: BTreeMap<(&str, &str), BTreeMap<i64, &graspcheck_recording::ContactSample>> =
-        BTreeMap::new();
+    let mut pairs: BTreeMap<(&str, &str), BTreeMap<i64, &ContactSample>> = BTreeMap::new();
     for contact in &run.recording.contacts {
         if contact.normal_force_n >= LEAST_FORCE {
             let rows = pairs.entry((&contact.body_a, &contact.body_b)).or_default();
@@ -186,7 +198,7 @@ fn log_contacts(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStre
     for ((a, b), rows) in pairs {
         // A step without contact has no arrow, or the last one would stay.
         let steps: Vec<i64> = (0..=run.end_ns / ARROW_PERIOD).collect();
-        let vector = |contact: &graspcheck_recording::ContactSample| {
+        let vector = |contact: &ContactSample| {
             contact.normal.map(|axis| (axis * contact.normal_force_n * ARROW_SCALE) as f32)
         };
         let arrows = Arrows3D::update_fields()
@@ -215,30 +227,46 @@ fn log_failure(
     recording: &Recording,
     check: &Check,
 ) -> Result<(), RecordingStreamError> {
-    // A plan is judged where it was planned.
-    let tool = if check.check.starts_with("planned") && !recording.reference_tool.pose.is_empty() {
-        &recording.reference_tool
-    } else {
-        &recording.tool
-    };
+    let tool = judged_tool(recording, check);
     let Some([first, last]) = check.interval().filter(|_| !tool.pose.is_empty()) else { return Ok(()) };
     let entity = below(&path([WORLD, "fail"]), &check.check);
-
-    let row = |time: f64| tool.time_ns.partition_point(|&at| at < nanoseconds(time)).min(tool.pose.len() - 1);
-    let stretch = &tool.pose[row(first - STRETCH_PADDING)..=row(last + STRETCH_PADDING)];
+    let stretch = &tool.pose[row_at(tool, first - STRETCH_PADDING)..=row_at(tool, last + STRETCH_PADDING)];
     if stretch.len() > 1 {
         let points = stretch.iter().map(position);
         stream.log_static(below(&entity, "tool_path"), &line(points, 5.0, color(RED)))?;
     }
-    let place = position(&tool.pose[row(check.time.unwrap_or(first))]);
-    let (value, _) = pair(check.value, check.limit, check.unit);
-    stream.log_static(
-        below(&entity, "place"),
-        &Points3D::new([place])
-            .with_radii([Radius::new_ui_points(6.0)])
-            .with_colors([color(RED)])
-            .with_labels([value]),
-    )
+    log_place(stream, recording, check, below(&entity, "place"), color(RED))
+}
+
+/// Where the tool is when a check is worst, with the value; short, since long labels cover the scene.
+fn log_place(
+    stream: &RecordingStream,
+    recording: &Recording,
+    check: &Check,
+    entity: EntityPath,
+    color: Color,
+) -> Result<(), RecordingStreamError> {
+    let tool = judged_tool(recording, check);
+    let Some(time) = check.time.filter(|_| !tool.pose.is_empty()) else { return Ok(()) };
+    let place = Points3D::new([position(&tool.pose[row_at(tool, time)])])
+        .with_radii([Radius::new_ui_points(6.0)])
+        .with_colors([color])
+        .with_labels([check.value_text()]);
+    stream.log_static(entity, &place)
+}
+
+/// The path that a check judges: a plan is judged where it was planned.
+fn judged_tool<'a>(recording: &'a Recording, check: &Check) -> &'a PoseSeries {
+    if check.check.starts_with("planned") && !recording.reference_tool.pose.is_empty() {
+        &recording.reference_tool
+    } else {
+        &recording.tool
+    }
+}
+
+/// The first row at or after a time in s, or the last row; the series is not empty.
+fn row_at(tool: &PoseSeries, time: f64) -> usize {
+    tool.time_ns.partition_point(|&at| at < nanoseconds(time)).min(tool.pose.len() - 1)
 }
 
 fn path<'a>(parts: impl IntoIterator<Item = &'a str>) -> EntityPath {

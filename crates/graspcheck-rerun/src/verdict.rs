@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Deserialize;
 
-use crate::quantity::{Unit, pair};
+use crate::quantity::{Bound, Unit, pair, single};
 
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
@@ -27,6 +27,7 @@ pub(crate) struct Check {
     pub(crate) unit: Unit,
     pub(crate) margin: Option<f64>,
     pub(crate) margin_is_share: bool,
+    pub(crate) value_is_bound: bool,
     pub(crate) time: Option<f64>,
     pub(crate) violated: Option<[f64; 2]>,
     pub(crate) place: Place,
@@ -110,7 +111,7 @@ impl Verdict {
         }
         text.push_str("\n\n| check | value | limit | margin | at | where |\n|---|---|---|---|---|---|\n");
         for check in ranked.iter().take(MOST_ROWS) {
-            let (value, limit) = pair(check.value, check.limit, check.unit);
+            let (value, limit) = pair(check.value, check.bound(), check.limit, check.unit);
             let at = check.time.map_or("–".to_owned(), |time| format!("{time:.3} s"));
             let name = match check.outcome {
                 Outcome::Fail => format!("**{}**", escaped(&check.check)),
@@ -143,8 +144,23 @@ impl Check {
         if self.margin_is_share {
             return format!("{sign}{:.1} %", margin * 100.0);
         }
-        let (text, _) = pair(Some(margin), None, self.unit);
-        format!("{sign}{text}")
+        format!("{sign}{}", single(margin, Bound::None, self.unit))
+    }
+
+    /// Which bound the value is: one below the true value where the value must stay above its limit.
+    fn bound(&self) -> Bound {
+        match (self.value_is_bound, self.value, self.limit, self.margin) {
+            (true, Some(value), Some(limit), Some(margin)) if (value >= limit) == (margin >= 0.0) => {
+                Bound::Lower
+            }
+            (true, ..) => Bound::Upper,
+            (false, ..) => Bound::None,
+        }
+    }
+
+    /// The worst value in words, for a label.
+    pub(crate) fn value_text(&self) -> String {
+        pair(self.value, self.bound(), self.limit, self.unit).0
     }
 
     /// When it is violated, s; the instant of its worst value when no interval is known.
@@ -192,7 +208,7 @@ pub(crate) mod tests {
         let expected = "\
 # FAIL  scara::pick\\_over\\_wall
 
-2 of 5 checks failed, as expected. First: **1.529 s**
+2 of 6 checks failed, as expected. First: **1.529 s**
 
 | check | value | limit | margin | at | where |
 |---|---|---|---|---|---|
@@ -201,6 +217,7 @@ pub(crate) mod tests {
 | ? executed.clearance | – | 0.00 mm | – | – | – |
 | planned.acceleration | 1979 °/s² | 2000 °/s² | +1.0 % | 1.576 s | shoulder, carry |
 | planned.velocity | 540 mm/s | 600 mm/s | +10.0 % | 0.150 s | quill, approach |
+| planned.torque | ≤ 10.7 N·m | 16.0 N·m | +33.7 % | 2.021 s | shoulder, lower |
 ";
         assert_eq!(markdown, expected);
     }
