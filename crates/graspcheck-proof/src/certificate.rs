@@ -48,7 +48,8 @@ pub enum PairVerdict {
     },
     /// Proved not to.
     Violated(Violation),
-    /// Neither could be proved near one instant: the distance there is too near to the required one.
+    /// Neither could be proved near one instant, where the distance is too near to the required one, and no
+    /// violation was found elsewhere. The leaves leave such intervals out.
     Unknown(Doubt),
     /// Not looked at to the end; never to be taken for free.
     NotChecked {

@@ -22,6 +22,11 @@ use crate::{
 /// 10 m/s moves 10 nm in it, far less than anything a clearance is known to.
 pub const SHORTEST_INTERVAL: f64 = 1e-9;
 
+/// Once a pair is undecided at some instant it cannot be proved free, but it may be violated at another. For
+/// that it is looked at again down to intervals of this length, s, so that a distance that stays exactly at
+/// the required one for long does not make the search endless.
+pub const SHORTEST_IN_DOUBT: f64 = 1e-3;
+
 /// At an interval's middle the distance is found to this share of what motion can take from it: finer would
 /// not decide more.
 const SHARE_OF_LOSS: f64 = 0.05;
@@ -55,7 +60,8 @@ impl Scene {
     /// Proves for every pair of solids that it keeps its required distance at every instant of a plan, or
     /// that it does not.
     ///
-    /// A pair that is violated or cannot be decided at one instant is not looked at any further. A plan that
+    /// A pair that is violated at one instant is not looked at any further; one that cannot be decided at one
+    /// instant is looked at for a violation at another, down to [`SHORTEST_IN_DOUBT`]. A plan that
     /// does not fit the robot or contradicts itself gives a certificate that says *not checked* of every
     /// pair.
     #[must_use]
@@ -110,7 +116,7 @@ impl Scene {
             let stage = stages.of(phase.holding);
             open.clear();
             for (pair, normal) in normals.iter().enumerate() {
-                if verdicts[pair].is_none() {
+                if !is_settled(verdicts[pair].as_ref()) {
                     let normal = normal.unwrap_or_else(Vector3::zeros);
                     open.push(Open { pair, normal });
                 }
@@ -120,14 +126,16 @@ impl Scene {
                 moment.set(stage, stretch, node.start, node.end);
                 still_open.clear();
                 for &Open { pair, normal } in &open[node.first_open..] {
-                    if verdicts[pair].is_some() {
+                    if is_settled(verdicts[pair].as_ref()) {
                         continue;
                     }
+                    let in_doubt = verdicts[pair].is_some();
                     let view = View {
                         pair: self.pairs[pair],
                         requirement: &stage.requirements[pair],
                         interval: [node.start, node.end],
                         phase: &phase.name,
+                        shortest: if in_doubt { SHORTEST_IN_DOUBT } else { SHORTEST_INTERVAL },
                     };
                     match view.step(&mut moment, &normal) {
                         Step::Proved(leaf) => {
@@ -135,6 +143,8 @@ impl Scene {
                             leaves.push((pair, leaf));
                         }
                         Step::Open(normal) => still_open.push(Open { pair, normal }),
+                        // The first doubt stands until something graver is found.
+                        Step::Settled(PairVerdict::Unknown(_)) if in_doubt => {}
                         Step::Settled(verdict) => verdicts[pair] = Some(verdict),
                     }
                 }
@@ -159,6 +169,13 @@ struct View<'v> {
     requirement: &'v Requirement,
     interval: [f64; 2],
     phase: &'v str,
+    /// An undecided interval shorter than this, s, is not halved.
+    shortest: f64,
+}
+
+/// Whether a pair needs no further look: it is neither open nor merely in doubt.
+fn is_settled(verdict: Option<&PairVerdict>) -> bool {
+    matches!(verdict, Some(PairVerdict::Violated(_) | PairVerdict::NotChecked { .. }))
 }
 
 impl View<'_> {
@@ -177,7 +194,7 @@ impl View<'_> {
         }
         // A shorter interval is needed in any case: a search for a better normal can wait.
         let hopeless = hint_loss > HOPELESS * (hint_gap - required);
-        if !first_look && hint_gap > required && hopeless && end - start > SHORTEST_INTERVAL {
+        if !first_look && hint_gap > required && hopeless && end - start >= self.shortest {
             return Step::Open(hint);
         }
         let Some(known) = separation(&a, &b, Some(&hint), SHARE_OF_LOSS * hint_loss) else {
@@ -192,7 +209,7 @@ impl View<'_> {
         if known.lower - loss >= required {
             return Step::Proved(self.leaf(&known.normal, known.lower, loss));
         }
-        if end - start < SHORTEST_INTERVAL {
+        if end - start < self.shortest {
             let distance = [known.lower, known.upper];
             let phase = self.phase.to_owned();
             return Step::Settled(PairVerdict::Unknown(Doubt {
@@ -212,7 +229,8 @@ impl View<'_> {
 
     fn violation(&self, a: &Placed, b: &Placed, known: &Separation) -> Option<Violation> {
         let required = self.requirement.required;
-        let (distance, points) = if known.upper < required {
+        // Witness points are rounded too, so that they must be nearer by the slack.
+        let (distance, points) = if known.upper + GAP_SLACK < required {
             (known.upper, known.points)
         } else if known.lower < required && known.upper <= GAP_SLACK {
             // The cores overlap: where that is required not to be so deep, it must be shown to be deeper.
@@ -348,6 +366,29 @@ mod tests {
         };
         assert!(doubt.distance.iter().all(|d| (d - 0.002).abs() < 1e-8), "{doubt:?}");
         assert!(doubt.interval[0] <= 0.5 + 1e-4 && doubt.interval[1] >= 0.5 - 1e-4, "{doubt:?}");
+    }
+
+    /// Where the distance falls through the required one, no interval around that instant is decided. What
+    /// comes after is a violation all the same.
+    #[test]
+    fn a_doubt_on_the_way_to_an_overlap_does_not_hide_it() {
+        let (place, required) = (at(2.0_f64.cos(), 2.0_f64.sin(), 0.0), 0.002);
+        let (scene, mut plan) = whirling_ball(Shape::Sphere { radius: 0.05 }, place, required, 1.0);
+        // At the instant of exactly the required distance a motion ends, so that it is looked at closely.
+        let touch = 2.0 * ((0.05 + BALL + required) / 2.0).asin();
+        let (from, there, to) = (0.0, 2.0 - touch, 2.0);
+        let pieces = [[from, there], [there, there], [there, to]]
+            .map(|[a, b]| graspcheck_motion::Polynomial::quintic_hermite([a, 0.0, 0.0], [b, 0.0, 0.0], 1.0));
+        plan.trajectory = Trajectory::new(1, vec![0.0, 1.0, 2.0, 3.0], pieces.to_vec()).unwrap();
+        plan.opening = Trajectory::hold(&[0.05], 3.0).unwrap();
+        plan.phases[0].end = 3.0;
+        let certificate = scene.certify(&plan);
+        assert_eq!(certificate.outcome(), ProofOutcome::Violated, "{certificate:?}");
+        // Without the last motion the doubt is all that there is.
+        plan.trajectory = Trajectory::new(1, vec![0.0, 1.0, 2.0], pieces[..2].to_vec()).unwrap();
+        plan.opening = Trajectory::hold(&[0.05], 2.0).unwrap();
+        plan.phases[0].end = 2.0;
+        assert_eq!(scene.certify(&plan).outcome(), ProofOutcome::Unknown);
     }
 
     /// The leaves of a free pair follow each other from 0 to the end without a gap, and each holds.

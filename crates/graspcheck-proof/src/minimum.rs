@@ -23,8 +23,8 @@ use crate::{
 pub const MARGIN_TOLERANCE: f64 = 1e-5;
 
 /// How many pairs and intervals are looked at before the bounds are given as they are: a distance that
-/// stays the same over a long motion needs many, and then this ends in some 0.1 s.
-pub const MOST_EVALUATIONS: usize = 100_000;
+/// stays the same over a long motion needs many, and then this ends in some 50 ms.
+pub const MOST_EVALUATIONS: usize = 30_000;
 
 /// How many ordinary evaluations one search for the depth of an overlap counts as.
 const OVERLAP_COST: usize = 10;

@@ -59,7 +59,7 @@ fn parry_shape(shape: &Shape) -> Box<dyn ParryShape> {
     match shape {
         Shape::Box { half_extents: h } => Box::new(Cuboid::new(math::Vector::new(h.x, h.y, h.z))),
         Shape::Sphere { radius } => Box::new(Ball::new(*radius)),
-        other => panic!("no such shape in these scenes: {other:?}"),
+        other => unreachable!("no such shape in these scenes: {other:?}"),
     }
 }
 
@@ -88,7 +88,12 @@ impl<'c> Samples<'c> {
             let placed = &robot.links[index].shapes[0];
             return (parry_pose(&(links[index] * placed.body_from_shape)), parry_shape(&placed.shape));
         }
-        let finger = robot.gripper.fingers.iter().find(|finger| finger.link.name == name).unwrap();
+        let finger = robot
+            .gripper
+            .fingers
+            .iter()
+            .find(|finger| finger.link.name == name)
+            .expect("all other bodies are fingers");
         let placed = &finger.link.shapes[0];
         let opened = Pose::translation(0.0, finger.axis.y * 0.025, 0.0);
         let world_from_finger = links[links.len() - 1] * finger.link_from_finger * opened;
@@ -106,10 +111,12 @@ impl<'c> Samples<'c> {
                 &other
             }
         };
-        match closest_points(&pose_a, &*shape_a, pose_b, &**shape_b, f64::MAX).unwrap() {
+        match closest_points(&pose_a, &*shape_a, pose_b, &**shape_b, f64::MAX)
+            .expect("boxes and balls are supported")
+        {
             ClosestPoints::WithinMargin(p, q) => (q - p).length(),
             ClosestPoints::Intersecting => 0.0,
-            ClosestPoints::Disjoint => panic!("no limit was set"),
+            ClosestPoints::Disjoint => unreachable!("no limit was set"),
         }
     }
 }
