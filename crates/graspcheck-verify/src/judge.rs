@@ -92,6 +92,36 @@ mod tests {
     }
 
     #[test]
+    fn no_number_that_is_not_finite_passes_wherever_it_stands() {
+        let clean = fixture::pick();
+        let certificate = clean.proved();
+        let last = clean.recording.measured.len() - 1;
+        let spoiled = |spoil: &dyn Fn(&mut graspcheck_recording::Recording)| {
+            let mut run = fixture::pick();
+            run.certificate = Some(certificate.clone());
+            spoil(&mut run.recording);
+            run.judged().outcome
+        };
+        for bad in [f64::NAN, f64::NEG_INFINITY] {
+            for row in [0, last] {
+                for column in 0..4 {
+                    let at = 4 * row + column;
+                    assert_eq!(spoiled(&|log| log.measured.position[at] = bad), Outcome::Fail);
+                    assert_eq!(spoiled(&|log| log.measured.velocity[at] = bad), Outcome::Fail);
+                    assert_eq!(spoiled(&|log| log.measured.effort[at] = bad), Outcome::Fail);
+                    assert_eq!(spoiled(&|log| log.reference.effort[at] = bad), Outcome::Fail);
+                }
+                for column in 0..6 {
+                    assert_eq!(spoiled(&|log| log.tool.pose[row][column] = bad), Outcome::Fail);
+                    assert_eq!(spoiled(&|log| log.object.twist[row][column] = bad), Outcome::Fail);
+                }
+                assert_eq!(spoiled(&|log| log.contacts[row].depth_m = bad), Outcome::Fail);
+                assert_eq!(spoiled(&|log| log.contacts[row].normal_force_n = bad), Outcome::Fail);
+            }
+        }
+    }
+
+    #[test]
     fn a_plan_alone_is_judged_without_what_was_not_executed() {
         let mut run = fixture::pick();
         run.resolved.execution = None;

@@ -52,23 +52,17 @@ impl<'a> JointStream<'a> {
                 })
             })
             .collect::<Result<_, _>>()?;
-        let found = Self { series, columns };
-        for sample in found.samples() {
-            for (quantity, value) in
-                [("position", sample.position), ("velocity", sample.velocity), ("effort", sample.effort)]
-            {
-                if !value.is_finite() {
-                    let joint = &evidence.joints()[sample.joint].name;
-                    return Err(not_finite(
-                        stream,
-                        &format!("{quantity} of joint {joint}"),
-                        value,
-                        sample.time,
-                    ));
-                }
+        // Fingers count too: a simulation with one number that is not finite is not to be trusted.
+        for (quantity, values) in
+            [("position", &series.position), ("velocity", &series.velocity), ("effort", &series.effort)]
+        {
+            if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+                let (row, column) = (index / series.names.len(), index % series.names.len());
+                let what = format!("{quantity} of joint {}", series.names[column]);
+                return Err(not_finite(stream, &what, values[index], seconds(series.time_ns[row])));
             }
         }
-        Ok(found)
+        Ok(Self { series, columns })
     }
 
     /// All samples, in order of time and then of joints.

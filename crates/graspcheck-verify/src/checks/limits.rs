@@ -213,6 +213,9 @@ mod tests {
         for name in ["planned.position", "planned.velocity", "planned.acceleration", "planned.jerk"] {
             let result = run.check(name);
             assert_eq!(result.outcome, Outcome::Fail, "{result:?}");
+            // JSON has no NaN: what is not a number is no value.
+            assert!(result.value.is_none_or(f64::is_finite), "{result:?}");
+            assert!(result.margin.is_none_or(f64::is_finite), "{result:?}");
         }
     }
 }
