@@ -14,6 +14,10 @@ const CLEARANCE_SHOWN: f64 = 0.02;
 /// more would hide both.
 const CLEARANCES_SHOWN: f64 = 5.0;
 
+/// The largest share of a limit that is shown; one that is far beyond would flatten all others. The true one
+/// is in the log and in the verdict.
+const MOST_SHARE: f64 = 1.5;
+
 /// Entries of the palette for joints, so that neighbours differ most.
 const JOINT_COLORS: [usize; 8] = [0, 5, 3, 4, 2, 1, 6, 7];
 
@@ -80,7 +84,7 @@ fn log_monitor(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStrea
         return Ok(());
     }
     let share = |entity, name, rgb, steps, value: fn(&MonitorSample) -> f64| {
-        log_curve(stream, run, entity, name, rgb, steps, &|sample| 100.0 * value(sample))
+        log_curve(stream, run, entity, name, rgb, steps, &|sample| 100.0 * value(sample).min(MOST_SHARE))
     };
     share("plot/share/velocity", "velocity", PALETTE[0], false, |sample| sample.velocity_ratio)?;
     share("plot/share/acceleration", "acceleration", PALETTE[3], false, |sample| sample.acceleration_ratio)?;

@@ -233,7 +233,7 @@ fn log_failure(
     let stretch = &tool.pose[row_at(tool, first - STRETCH_PADDING)..=row_at(tool, last + STRETCH_PADDING)];
     if stretch.len() > 1 {
         let points = stretch.iter().map(position);
-        stream.log_static(below(&entity, "tool_path"), &line(points, 5.0, color(RED)))?;
+        stream.log_static(below(&entity, "tool_path"), &line(points, 3.0, color(RED)))?;
     }
     log_place(stream, recording, check, below(&entity, "place"), color(RED))
 }
