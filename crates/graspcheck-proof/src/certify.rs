@@ -271,7 +271,7 @@ impl Stages {
     }
 }
 
-/// A pair, the stretch of the plan and the interval: kept together by the search for the least margin.
+/// The scene during a stretch of the plan.
 pub(crate) fn stage_of<'s>(stages: &'s Stages, plan: &Plan, stretch: &Stretch) -> &'s Stage {
     stages.of(plan.phases[stretch.phase].holding)
 }

@@ -54,13 +54,29 @@ impl Mount {
     }
 }
 
+/// Sine of the largest angle between axes that count as parallel: rounding of file formats with seven digits
+/// is larger, and then the bounds that need no parallel axes are used.
+const PARALLEL: f64 = 1e-12;
+
+/// Whether no joint turns the axis of another: the axes of all joints beyond a revolute one are parallel to
+/// it.
+pub(crate) fn has_steady_axes(robot: &RobotModel) -> bool {
+    let mut base_from_link = Pose::identity();
+    let mut turning: Option<Vector3<f64>> = None;
+    robot.joints.iter().all(|joint| {
+        base_from_link *= joint.parent_from_joint;
+        let axis = base_from_link.rotation * joint.axis.into_inner();
+        let steady = turning.is_none_or(|turning| turning.cross(&axis).norm() <= PARALLEL);
+        if joint.kind == JointKind::Revolute {
+            turning = turning.or(Some(axis));
+        }
+        steady
+    })
+}
+
 /// The direction of a joint's axis in the frame of a carrier further out, when it is the same wherever the
 /// joints between are: every revolute joint between turns about a parallel axis.
 fn axis_in_carrier(robot: &RobotModel, joint: usize, carrier: Carrier) -> Option<Vector3<f64>> {
-    /// Sine of the largest angle between axes that count as parallel: rounding of file formats with seven
-    /// digits is larger, and then the bound that needs no parallel axes is used.
-    const PARALLEL: f64 = 1e-12;
-
     let mut joint_from_link = Pose::identity();
     let axis = robot.joints[joint].axis.into_inner();
     for between in &robot.joints[joint + 1..carrier.arm_joints(robot.dof())] {
@@ -74,4 +90,53 @@ fn axis_in_carrier(robot: &RobotModel, joint: usize, carrier: Carrier) -> Option
         joint_from_link *= robot.gripper.fingers[finger].link_from_finger;
     }
     Some(joint_from_link.rotation.inverse() * axis)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        fixtures::{self, at},
+        solid::Core,
+    };
+
+    fn rod() -> Solid {
+        Solid::new(Core::Cylinder { radius: 0.01, half_length: 0.2 }, 0.0)
+    }
+
+    #[test]
+    fn extents_count_across_parallel_axes_only() {
+        let mount = Mount::new(&fixtures::scara(), &rod(), Carrier::Link(3), Pose::identity());
+        assert_eq!(mount.radial_extents.len(), 4);
+        for extent in mount.radial_extents {
+            assert!((extent - 0.01).abs() < 1e-12, "{extent}");
+        }
+    }
+
+    #[test]
+    fn a_skewed_joint_between_makes_the_extent_count_in_every_direction() {
+        let mut robot = fixtures::scara();
+        robot.joints[1].axis = Vector3::x_axis();
+        assert!(!has_steady_axes(&robot) && has_steady_axes(&fixtures::scara()));
+        let mount = Mount::new(&robot, &rod(), Carrier::Link(3), Pose::identity());
+        let all_round = 0.01_f64.hypot(0.2);
+        let expected = [all_round, all_round, 0.01, 0.01];
+        for (joint, (extent, expected)) in mount.radial_extents.iter().zip(expected).enumerate() {
+            // Across the skewed axis itself a cylinder has the bound radius plus half length.
+            let tolerance = if joint == 1 { 0.011 } else { 1e-12 };
+            assert!((extent - expected).abs() < tolerance, "joint {joint}: {extent}");
+        }
+    }
+
+    #[test]
+    fn a_slide_before_all_turns_may_point_anywhere() {
+        let mut robot = fixtures::scara();
+        robot
+            .joints
+            .insert(0, fixtures::joint("rail", JointKind::Prismatic, at(0.0, 0.0, 0.0), Vector3::x()));
+        assert!(has_steady_axes(&robot));
+        let rail = robot.joints.remove(0);
+        robot.joints.push(rail);
+        assert!(!has_steady_axes(&robot), "the wrist turns the last slide");
+    }
 }

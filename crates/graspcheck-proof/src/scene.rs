@@ -10,7 +10,7 @@ use graspcheck_model::{
 use nalgebra::Translation3;
 
 use crate::{
-    chain::{Carrier, Mount},
+    chain::{Carrier, Mount, has_steady_axes},
     error::SceneError,
     solid::{Place, Solid},
 };
@@ -27,6 +27,8 @@ pub struct Scene {
     pub(crate) object: Option<Object>,
     pub(crate) bodies: Vec<Body>,
     pub(crate) parts: Vec<Part>,
+    /// Whether no joint of the arm turns the axis of another.
+    pub(crate) steady_axes: bool,
     /// The object's only part.
     pub(crate) object_part: Option<usize>,
     /// Pairs of parts that are judged, in order of their body pairs.
@@ -108,6 +110,7 @@ impl Scene {
             object: object.cloned(),
             bodies: Vec::new(),
             parts: Vec::new(),
+            steady_axes: has_steady_axes(robot),
             object_part: None,
             pairs: Vec::new(),
             body_pairs: Vec::new(),

@@ -146,3 +146,53 @@ fn check(plan: &Plan, dof: usize) -> Result<(), String> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use graspcheck_model::plan::{Holding, Phase};
+
+    use super::*;
+
+    fn plan(knots: Vec<f64>, pieces: Vec<Polynomial>, phases: &[(f64, f64)]) -> Plan {
+        let duration = knots[knots.len() - 1];
+        let phase = |&(start, end): &(f64, f64)| Phase {
+            name: "p".to_owned(),
+            start,
+            end,
+            holding: Holding::Nothing,
+        };
+        Plan {
+            trajectory: Trajectory::new(1, knots, pieces).unwrap(),
+            opening: Trajectory::hold(&[0.05], duration).unwrap(),
+            phases: phases.iter().map(phase).collect(),
+            grasp: None,
+        }
+    }
+
+    #[test]
+    fn a_joint_that_turns_back_has_its_whole_range() {
+        // q = τ (1 - τ): from 0 to 0 over 1/4, which only the inside of the interval shows.
+        let plan = plan(vec![0.0, 1.0], vec![Polynomial::new([0.0, 1.0, -1.0])], &[(0.0, 1.0)]);
+        let stretches = stretches(&plan, 1).unwrap();
+        let range = stretches[0].arm(0, 0.0, 1.0);
+        assert!((range.reference - 0.25).abs() < 1e-15 && range.above.abs() < 1e-15, "{range:?}");
+        assert!((range.below - 0.25).abs() < 1e-15, "{range:?}");
+        let early = stretches[0].arm(0, 0.3, 0.6);
+        assert!(
+            (early.reference - 0.2475).abs() < 1e-15 && (early.above - 0.0025).abs() < 1e-15,
+            "{early:?}"
+        );
+        let rising = stretches[0].arm(0, 0.0, 0.2);
+        assert!((rising.below - 0.09).abs() < 1e-15 && (rising.above - 0.07).abs() < 1e-15, "{rising:?}");
+    }
+
+    #[test]
+    fn cuts_fall_at_knots_and_phases_and_equal_times_fall_together() {
+        let p = Polynomial::constant(0.0);
+        let plan =
+            plan(vec![0.0, 1.0, 3.0], vec![p, p], &[(0.0, 1.0 + 1e-16), (1.0, 2.0), (2.0, 3.0 - 1e-13)]);
+        let stretches = stretches(&plan, 1).unwrap();
+        let found: Vec<_> = stretches.iter().map(|s| (s.start, s.end, s.phase)).collect();
+        assert_eq!(found, [(0.0, 1.0, 0), (1.0, 2.0, 1), (2.0, 3.0, 2)]);
+    }
+}
