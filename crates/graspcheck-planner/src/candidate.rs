@@ -81,7 +81,7 @@ pub enum CandidateOutcome {
     /// It was not needed.
     #[error("{by:.3} s slower than the chosen one")]
     Slower {
-        /// By how much longer the arm moves, s.
+        /// By how much longer the arm moves, s; zero up to rounding where both take the same time.
         by: f64,
     },
     /// It is proved to come too near somewhere.
@@ -112,7 +112,7 @@ pub enum CandidateOutcome {
     #[error("{0}")]
     OutOfReach(#[from] Unreachable),
     /// The pose breaks a position limit.
-    #[error("{joint}: {value:.6} is {excess:.6} beyond {limit:.6}")]
+    #[error("joint {joint}: position {value:.6} exceeds {limit:.6} by {excess:.6}")]
     Limit {
         /// Name of the joint.
         joint: String,

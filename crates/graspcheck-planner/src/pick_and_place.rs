@@ -45,6 +45,12 @@ use crate::{
 /// Names of the phases that the task can have, in order.
 pub const PHASES: [&str; 8] = ["approach", "descend", "close", "lift", "carry", "lower", "open", "retreat"];
 
+/// Times that differ by less count as equal when candidates are ordered, s.
+///
+/// The reason: candidates that are mirror images of each other take the same time up to rounding, which must
+/// not decide between them.
+const SAME_TIME: f64 = 1e-9;
+
 /// Finds a plan for the task.
 pub(crate) fn find(
     robot: &RobotModel,
@@ -87,7 +93,8 @@ pub(crate) fn find(
         return Err(PlanError::Unreachable(Box::new(pick.nothing_reachable(placing, rejected)?)));
     }
     // A stable sort: equals stay in the order of handles, elbows and turns.
-    ways.sort_by(|a, b| a.moving.total_cmp(&b.moving));
+    let rank = |way: &Way| (way.moving / SAME_TIME).round();
+    ways.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     pick.choose(&Scene::new(robot, cell, Some(object))?, &ways, rejected)
 }
 
