@@ -5,12 +5,12 @@
 //!
 //! What follows a straight line of the tool is planned for the tool ([`cartesian`]) and turned into joint
 //! polynomials through the inverse kinematics ([`branch`], [`interpolation`]); everything else is planned
-//! in the joints, exactly ([`joint_move`]). Units are SI and radians, frames as in [`graspcheck_model`].
+//! in the joints, exactly ([`mod@joint_move`]). Units are SI and radians, frames as in [`graspcheck_model`].
 //!
 //! Symbols used as names: `q qd qdd qddd` are position, velocity, acceleration and jerk of the joints,
 //! `s sd sdd sddd` the path parameter and its derivatives in time, `q_s` a derivative by s.
 //!
-//! Reading order: [`time_scaling`], [`joint_move`], [`lfpb`], [`branch`], [`interpolation`], [`cartesian`],
+//! Reading order: [`time_scaling`], [`mod@joint_move`], [`lfpb`], [`branch`], [`interpolation`], [`cartesian`],
 //! [`retime`], [`pick_and_place`], [`candidate`], [`error`].
 
 mod arm;
