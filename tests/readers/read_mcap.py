@@ -3,8 +3,8 @@
 
     python read_mcap.py RUN.mcap [--joint-states DUMP.json]
 
-Uses the PyPI packages `mcap` (checksums on) and `mcap-ros2-support`, which decodes each message by the
-definition that stands in the file. Every problem is one line on standard error; the exit code is 0 only when
+Uses the PyPI packages `mcap` (checksums on) with `mcap-ros2-support`, which decodes each message by the
+definition that stands in the file, and `rosbags`, which does so with code of its own. Every problem is one line on standard error; the exit code is 0 only when
 there is none. DUMP.json holds {"measured": {"names", "time_ns", "position", "velocity", "effort"}, "reference":
 {…}} with one value a row and joint; values must be equal to the last bit.
 """
@@ -16,11 +16,13 @@ import math
 import struct
 import sys
 import zlib
+from pathlib import Path
 
 from mcap.reader import make_reader
 from mcap.records import Attachment, Header, Message, Metadata, Statistics
 from mcap.stream_reader import StreamReader
 from mcap_ros2.decoder import DecoderFactory
+from rosbags.highlevel import AnyReader
 
 MESSAGE_TYPES = {
     "/tf_static": "tf2_msgs/msg/TFMessage",
@@ -183,6 +185,16 @@ def read_messages(path):
     return joint_states, counts, attachments
 
 
+def read_with_rosbags(path):
+    """The number of messages that the second reader decodes; it also parses the qualities of service."""
+    count = 0
+    with AnyReader([Path(path)]) as reader:
+        for connection, _, data in reader.messages():
+            reader.deserialize(data, connection.msgtype)
+            count += 1
+    return count
+
+
 def check_channel(schema, channel):
     expected = MESSAGE_TYPES.get(channel.topic)
     if expected is None:
@@ -254,6 +266,9 @@ def main():
         topics, documents = len(counts), len(attachments)
         if messages == 0 or sum(counts.values()) != messages:
             problem(f"{sum(counts.values())} messages through the index, {messages} in the file; expected some, all")
+        decoded = read_with_rosbags(arguments.recording)
+        if decoded != messages:
+            problem(f"rosbags decodes {decoded} messages of {messages}")
         if arguments.joint_states:
             compare_joint_states(arguments.joint_states, joint_states)
     except Exception as error:  # whatever the libraries raise is a file that cannot be read
