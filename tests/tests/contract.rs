@@ -1,5 +1,11 @@
 //! What every release keeps: the same scenario gives the same bytes, and a log alone gives the same verdict.
 
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "helpers of tests: a run that ends early fails the test"
+)]
+
 use std::{path::Path, thread};
 
 use graspcheck::{Run, Silent, load, run_scenario};

@@ -1,5 +1,7 @@
 //! What no compiler holds about the files of this repository.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests: a file that cannot be read fails the test")]
+
 use std::{
     fs,
     path::{Path, PathBuf},
