@@ -4,7 +4,7 @@
 //! them that a plan keeps the required distance *at every instant*, or finds an instant at which it does
 //! not; [`Scene::minimum_margin`] brackets how much room is left. Nothing is sampled: at the middle of an
 //! interval of time a slab between two solids is certified by support functions ([`gap`]), a bound on how
-//! far motion can carry them ([`displacement`]) is taken off, and what does not suffice is halved.
+//! far motion can carry them (`displacement`) is taken off, and what does not suffice is halved.
 //!
 //! Three outcomes: free and violated are proofs; what is neither is *unknown* or *not checked*.
 //!
