@@ -2,7 +2,7 @@
 //! checks as lanes, the verdict as a table.
 //!
 //! Everything is read from the [`Recording`]: markers and frames give the scene, joint series and monitor
-//! the plots, the verdict's JSON the lanes and the table. What a recording lacks is left out.
+//! the plots, the verdict's JSON the lanes, and with the diagnostics' words the table. What a recording lacks is left out.
 //!
 //! | entity | holds |
 //! |---|---|
@@ -23,7 +23,6 @@ mod joint_units;
 mod lanes;
 mod layout;
 mod plots;
-mod quantity;
 mod scene;
 mod verdict;
 
@@ -74,8 +73,12 @@ pub enum RerunError {
 /// # Errors
 /// When the verdict cannot be read, or the file cannot be written.
 pub fn save(recording: &Recording, scenario: &str, path: &Path) -> Result<(), RerunError> {
-    let verdict =
-        recording.verdict.as_deref().map(Verdict::parse).transpose().map_err(RerunError::Verdict)?;
+    let verdict = recording
+        .verdict
+        .as_deref()
+        .map(|json| Verdict::parse(json, &recording.diagnostics))
+        .transpose()
+        .map_err(RerunError::Verdict)?;
     let run = Run { recording, verdict: verdict.as_ref(), end_ns: end(recording) };
 
     let mut temporary = OsString::from(path);

@@ -251,7 +251,7 @@ fn log_place(
     let place = Points3D::new([position(&tool.pose[row_at(tool, time)])])
         .with_radii([Radius::new_ui_points(6.0)])
         .with_colors([color])
-        .with_labels([check.value_text()]);
+        .with_labels([check.word("value").to_owned()]);
     stream.log_static(entity, &place)
 }
 

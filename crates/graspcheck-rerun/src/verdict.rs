@@ -1,10 +1,9 @@
 //! The verdict of a recording, from its JSON, and the table that shows it.
 
-use std::fmt::Write as _;
+use std::{collections::BTreeMap, fmt::Write as _};
 
+use graspcheck_recording::Diagnostic;
 use serde::Deserialize;
-
-use crate::quantity::{Bound, Unit, pair, single};
 
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
@@ -22,22 +21,15 @@ pub(crate) enum Outcome {
 pub(crate) struct Check {
     pub(crate) check: String,
     pub(crate) outcome: Outcome,
-    pub(crate) value: Option<f64>,
     pub(crate) limit: Option<f64>,
-    pub(crate) unit: Unit,
     pub(crate) margin: Option<f64>,
     pub(crate) margin_is_share: bool,
-    pub(crate) value_is_bound: bool,
     pub(crate) time: Option<f64>,
     pub(crate) violated: Option<[f64; 2]>,
-    pub(crate) place: Place,
-}
-
-/// Where a check is worst.
-#[derive(Clone, Debug, Deserialize)]
-pub(crate) struct Place {
-    pub(crate) subjects: Vec<String>,
-    pub(crate) phase: Option<String>,
+    /// The same for people, with units, by name: `value`, `limit`, `margin`, `at`, `where`; from the
+    /// diagnostics of the recording, so that all renderings read alike.
+    #[serde(skip)]
+    words: BTreeMap<String, String>,
 }
 
 /// The judgement of a run.
@@ -52,8 +44,15 @@ pub(crate) struct Verdict {
 const MOST_ROWS: usize = 8;
 
 impl Verdict {
-    pub(crate) fn parse(json: &str) -> Result<Self, serde_json::Error> {
-        serde_json::from_str(json)
+    /// The verdict in `json`, with the words that the diagnostics have for each check.
+    pub(crate) fn parse(json: &str, diagnostics: &[Diagnostic]) -> Result<Self, serde_json::Error> {
+        let mut verdict: Self = serde_json::from_str(json)?;
+        for check in &mut verdict.checks {
+            if let Some(diagnostic) = diagnostics.iter().find(|diagnostic| diagnostic.name == check.check) {
+                check.words = diagnostic.values.iter().cloned().collect();
+            }
+        }
+        Ok(verdict)
     }
 
     /// The checks that count, failing ones first, then undecided ones, then passing ones with the least room.
@@ -111,15 +110,13 @@ impl Verdict {
         }
         text.push_str("\n\n| check | value | limit | margin | at | where |\n|---|---|---|---|---|---|\n");
         for check in ranked.iter().take(MOST_ROWS) {
-            let (value, limit) = pair(check.value, check.bound(), check.limit, check.unit);
-            let at = check.time.map_or("–".to_owned(), |time| format!("{time:.3} s"));
             let name = match check.outcome {
                 Outcome::Fail => format!("**{}**", escaped(&check.check)),
                 Outcome::Inconclusive => format!("? {}", escaped(&check.check)),
                 Outcome::Pass | Outcome::NotRequested => escaped(&check.check),
             };
-            let (margin, place) = (check.margin_text(), escaped(&check.place.text()));
-            _ = writeln!(text, "| {name} | {value} | {limit} | {margin} | {at} | {place} |");
+            let cells = ["value", "limit", "margin", "at", "where"].map(|word| escaped(check.word(word)));
+            _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
         }
         if ranked.len() > MOST_ROWS {
             _ = write!(text, "\nand {} more that passed or have more room", ranked.len() - MOST_ROWS);
@@ -138,47 +135,14 @@ impl Check {
         self.limit.filter(|limit| *limit != 0.0).map(|limit| margin / limit.abs())
     }
 
-    fn margin_text(&self) -> String {
-        let Some(margin) = self.margin else { return "–".to_owned() };
-        let sign = if margin < 0.0 { "" } else { "+" };
-        if self.margin_is_share {
-            return format!("{sign}{:.1} %", margin * 100.0);
-        }
-        format!("{sign}{}", single(margin, Bound::None, self.unit))
-    }
-
-    /// Which bound the value is: one below the true value where the value must stay above its limit.
-    fn bound(&self) -> Bound {
-        match (self.value_is_bound, self.value, self.limit, self.margin) {
-            (true, Some(value), Some(limit), Some(margin)) if (value >= limit) == (margin >= 0.0) => {
-                Bound::Lower
-            }
-            (true, ..) => Bound::Upper,
-            (false, ..) => Bound::None,
-        }
-    }
-
-    /// The worst value in words, for a label.
-    pub(crate) fn value_text(&self) -> String {
-        pair(self.value, self.bound(), self.limit, self.unit).0
+    /// A value in words; `–` when the diagnostics have none.
+    pub(crate) fn word(&self, name: &str) -> &str {
+        self.words.get(name).map_or("–", String::as_str)
     }
 
     /// When it is violated, s; the instant of its worst value when no interval is known.
     pub(crate) fn interval(&self) -> Option<[f64; 2]> {
         self.violated.or(self.time.map(|time| [time, time]))
-    }
-}
-
-impl Place {
-    /// `shoulder, carry` or `cube - wall, lower`.
-    pub(crate) fn text(&self) -> String {
-        let subjects = self.subjects.join(" - ");
-        match &self.phase {
-            Some(phase) if subjects.is_empty() => phase.clone(),
-            Some(phase) => format!("{subjects}, {phase}"),
-            None if subjects.is_empty() => "–".to_owned(),
-            None => subjects,
-        }
     }
 }
 
@@ -197,14 +161,31 @@ fn escaped(text: &str) -> String {
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use graspcheck_recording::Level;
+
     use super::*;
 
     /// Two failing checks, one undecided, two passing, one that was not requested.
     pub(crate) const JSON: &str = include_str!("../tests/verdict.json");
 
+    fn words(name: &str, cells: [&str; 5]) -> Diagnostic {
+        let names = ["value", "limit", "margin", "at", "where"];
+        Diagnostic {
+            name: name.to_owned(),
+            level: Level::Info,
+            message: String::new(),
+            values: names.into_iter().zip(cells).map(|(k, v)| (k.to_owned(), v.to_owned())).collect(),
+        }
+    }
+
     #[test]
     fn the_table_has_failures_first_and_what_was_not_requested_never() {
-        let markdown = Verdict::parse(JSON).unwrap().markdown("scara::pick_over_wall");
+        let diagnostics = [
+            words("planned.jerk", ["41505 °/s³", "40000 °/s³", "-3.8 %", "1.529 s", "shoulder, carry"]),
+            words("planned.clearance", ["4.07 mm", "5.00 mm", "-0.93 mm", "1.770 s", "cube - wall_1, lower"]),
+            words("planned.velocity", ["540 mm/s", "600 mm/s", "+10.0 %", "0.150 s", "quill, approach"]),
+        ];
+        let markdown = Verdict::parse(JSON, &diagnostics).unwrap().markdown("scara::pick_over_wall");
         let expected = "\
 # FAIL  scara::pick\\_over\\_wall
 
@@ -214,16 +195,16 @@ pub(crate) mod tests {
 |---|---|---|---|---|---|
 | **planned.jerk** | 41505 °/s³ | 40000 °/s³ | -3.8 % | 1.529 s | shoulder, carry |
 | **planned.clearance** | 4.07 mm | 5.00 mm | -0.93 mm | 1.770 s | cube - wall\\_1, lower |
-| ? executed.clearance | – | 0.00 mm | – | – | – |
-| planned.acceleration | 1979 °/s² | 2000 °/s² | +1.0 % | 1.576 s | shoulder, carry |
+| ? executed.clearance | – | – | – | – | – |
+| planned.acceleration | – | – | – | – | – |
 | planned.velocity | 540 mm/s | 600 mm/s | +10.0 % | 0.150 s | quill, approach |
-| planned.torque | ≤ 10.7 N·m | 16.0 N·m | +33.7 % | 2.021 s | shoulder, lower |
+| planned.torque | – | – | – | – | – |
 ";
         assert_eq!(markdown, expected);
     }
 
     #[test]
     fn the_first_violation_is_the_earliest() {
-        assert_eq!(Verdict::parse(JSON).unwrap().first_violation(), Some([1.5287, 1.719]));
+        assert_eq!(Verdict::parse(JSON, &[]).unwrap().first_violation(), Some([1.5287, 1.719]));
     }
 }

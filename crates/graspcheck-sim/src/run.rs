@@ -91,6 +91,7 @@ pub fn simulate(
         controller.set_load(measured_opening, load.as_ref().filter(|_| holding == Holding::Held));
         controller.update(&reference, &q[..dof], &qd[..dof]);
         plant.drive_fingers(fingers.velocity, fingers.force);
+        plant.solve_for_grasp(fingers.presses);
         plant.apply_efforts(controller.applied());
         arc.predict(robot, &q[..dof], &qd[..dof]);
         plant.step(&arc);

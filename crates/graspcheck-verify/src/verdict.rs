@@ -41,6 +41,8 @@ pub enum Basis {
 pub enum Unit {
     /// No unit.
     One,
+    /// A count of things, such as jumps.
+    Count,
     /// Seconds.
     Second,
     /// A count of simulation steps.

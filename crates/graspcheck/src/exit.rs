@@ -20,7 +20,8 @@ pub const NO_PLAN: u8 = 21;
 pub const UNREADABLE_RECORDING: u8 = 30;
 
 /// The order in which the code of a suite is chosen: the least recoverable comes first.
-const WORST_FIRST: [u8; 6] = [BUG, INVALID_FILE, UNREADABLE_RECORDING, NO_PLAN, NOT_AS_EXPECTED, INCONCLUSIVE];
+const WORST_FIRST: [u8; 6] =
+    [BUG, INVALID_FILE, UNREADABLE_RECORDING, NO_PLAN, NOT_AS_EXPECTED, INCONCLUSIVE];
 
 /// The code that speaks for all of `codes`: the least recoverable of them, [`AS_EXPECTED`] if there is none.
 #[must_use]

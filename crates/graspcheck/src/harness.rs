@@ -36,7 +36,8 @@ fn trials(root: &Path) -> Vec<Trial> {
     if listed.is_empty() {
         return vec![failing("suite", format!("{}: there is no scenario in this folder", root.display()))];
     }
-    let results = results_root(root);
+    let workspace = workspace_of(root);
+    let results = workspace.join("target").join("graspcheck");
     listed
         .into_iter()
         .map(|scenario| {
@@ -50,24 +51,27 @@ fn failing(name: &str, message: String) -> Trial {
     Trial::test(name, move || Err(Failed::from(message)))
 }
 
-/// `target/graspcheck` beside the nearest `Cargo.lock` above the suite, else in the current folder.
-fn results_root(root: &Path) -> PathBuf {
+/// The nearest folder above the suite that has a `Cargo.lock`, else the current folder. Results go into its
+/// `target/graspcheck`.
+fn workspace_of(root: &Path) -> PathBuf {
     let root = root.canonicalize().unwrap_or_else(|_| root.to_owned());
-    let workspace = root.ancestors().find(|folder| folder.join("Cargo.lock").is_file()).map(Path::to_owned);
-    workspace.unwrap_or_default().join("target").join("graspcheck")
+    root.ancestors()
+        .find(|folder| folder.join("Cargo.lock").is_file())
+        .map(Path::to_owned)
+        .unwrap_or_default()
 }
 
 fn judge(path: &Path, name: &str, results: &Path) -> Result<(), Failed> {
     let scenario = load(path).map_err(|error| report::faults(&error, false))?;
-    let run = run_scenario(&scenario, &mut Silent).map_err(|error| report::plain(&report::no_run(&error, &scenario.resolved.robot)))?;
+    let run = run_scenario(&scenario, &mut Silent)
+        .map_err(|error| report::plain(&report::no_run(&error, &scenario.resolved.robot)))?;
     let stored = store::store(&run.recording, name, results).map_err(|error| error.to_string())?;
     if run.verdict.as_expected {
         return Ok(());
     }
     Err(Failed::from(format!(
-        "{}\n\n  log     {}\n  again   cargo run -- run {}",
+        "{}\n\n  log     {}\n  again   cargo run -- run {name}",
         report::failure(&run.verdict),
         stored.log.display(),
-        path.display()
     )))
 }

@@ -1,7 +1,7 @@
 //! The pipeline: one scenario in, one judged recording out.
 
 use graspcheck_model::plan::Plan;
-use graspcheck_planner::PlanError;
+use graspcheck_planner::{PlanError, Planned};
 use graspcheck_proof::{Certificate, Scene, SceneError};
 use graspcheck_recording::{Attachment, Diagnostic, Event, Level, Recording};
 use graspcheck_scenario::Scenario;
@@ -99,15 +99,18 @@ impl Observer for Silent {
 pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<Run, RunError> {
     let resolved = &scenario.resolved;
     let object = resolved.object.as_ref();
-    let plan =
-        graspcheck_planner::plan(&resolved.robot, &resolved.cell, object, &resolved.task, &resolved.pace)?;
+    let Planned { plan, certificate, .. } =
+        graspcheck_planner::find(&resolved.robot, &resolved.cell, object, &resolved.task, &resolved.pace)?;
     observer.done(Stage::Planned {
         phases: plan.phases.len(),
         pieces: plan.trajectory.piece_count(),
         duration: plan.duration(),
     });
 
-    let certificate = Scene::new(&resolved.robot, &resolved.cell, object)?.certify(&plan);
+    let certificate = match certificate {
+        Some(certificate) => certificate,
+        None => Scene::new(&resolved.robot, &resolved.cell, object)?.certify(&plan),
+    };
     observer.done(Stage::Proved { pairs: certificate.pairs.len(), leaves: leaf_count(&certificate) });
 
     let mut recording = match &resolved.execution {
@@ -180,18 +183,19 @@ fn enter_verdict(recording: &mut Recording, verdict: &Verdict) {
             Outcome::Fail => Level::Error,
         };
         let message = report::sentence(result);
-        let mut values = Vec::new();
-        for (name, value) in
-            [("value", result.value), ("limit", result.limit), ("margin", result.margin), ("time_s", result.time)]
-        {
-            if let Some(value) = value {
-                values.push((name.to_owned(), value.to_string()));
-            }
-        }
-        values.push(("where".to_owned(), report::subject(result)));
+        let words = report::words(result);
+        let values = [
+            ("value", words.value),
+            ("limit", words.limit),
+            ("margin", words.margin),
+            ("at", words.at),
+            ("where", words.place),
+            ("by", words.by.to_owned()),
+        ]
+        .map(|(name, word)| (name.to_owned(), word));
         if level != Level::Info {
             let t = result.violated.map(|[first, _]| first).or(result.time).unwrap_or(0.0);
-            recording.events.push(Event {
+            recording.add_event(Event {
                 // Rounded to the nanosecond; a run lasts far less than the 292 years that fit.
                 time_ns: (t * 1e9).round() as i64,
                 level,
@@ -199,7 +203,11 @@ fn enter_verdict(recording: &mut Recording, verdict: &Verdict) {
                 message: message.clone(),
             });
         }
-        recording.diagnostics.push(Diagnostic { name: result.check.clone(), level, message, values });
+        recording.diagnostics.push(Diagnostic {
+            name: result.check.clone(),
+            level,
+            message,
+            values: values.into(),
+        });
     }
-    recording.events.sort_by_key(|event| event.time_ns);
 }

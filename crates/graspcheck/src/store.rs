@@ -46,8 +46,7 @@ pub fn folder(root: &Path, scenario: &str) -> PathBuf {
 /// When the folder cannot be made or a file cannot be written.
 pub fn store(recording: &Recording, scenario: &str, root: &Path) -> Result<Stored, StoreError> {
     let folder = folder(root, scenario);
-    std::fs::create_dir_all(&folder)
-        .map_err(|source| StoreError::Folder { path: folder.clone(), source })?;
+    std::fs::create_dir_all(&folder).map_err(|source| StoreError::Folder { path: folder.clone(), source })?;
     let log = folder.join("run.mcap");
     graspcheck_recording::save(recording, &log)?;
     #[cfg(feature = "rerun")]

@@ -142,7 +142,7 @@ pub(super) fn certificate(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     if different.is_empty() && !same(stored.duration, found.duration) {
         different = (0..pair_count).collect();
     }
-    let finding = Finding::at_most(different.len() as f64, 0.0, Unit::One);
+    let finding = Finding::at_most(different.len() as f64, 0.0, Unit::Count);
     let Some(&first) = different.first() else {
         return Ok(finding.noted(format!("the proofs of {pair_count} pairs are the same")));
     };

@@ -51,7 +51,7 @@ pub(super) fn continuity(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     let count = jumps.len();
     let steps_are_allowed = matches!(evidence.resolved.task, Task::CartesianVia(_));
     let Some(worst_order) = jumps.iter().map(|jump| jump.order).min() else {
-        return Ok(Finding::at_most(0.0, 0.0, Unit::One)
+        return Ok(Finding::at_most(0.0, 0.0, Unit::Count)
             .noted("position, velocity and acceleration are continuous, from rest to rest"));
     };
     let of_that_order = jumps.into_iter().filter(|jump| jump.order == worst_order);

@@ -41,7 +41,10 @@ impl Progress {
     }
 }
 
-#[expect(clippy::disallowed_methods, reason = "the wall time of a stage is shown to a person and kept nowhere")]
+#[expect(
+    clippy::disallowed_methods,
+    reason = "the wall time of a stage is shown to a person and kept nowhere"
+)]
 fn now() -> Instant {
     Instant::now()
 }
@@ -50,16 +53,27 @@ impl Observer for Progress {
     fn done(&mut self, stage: Stage) {
         match stage {
             Stage::Planned { phases, pieces, duration } => {
-                self.line("Planned", &format!("{phases} phases, {pieces} polynomial pieces, {duration:.3} s of motion"));
+                self.line(
+                    "Planned",
+                    &format!("{phases} phases, {pieces} polynomial pieces, {duration:.3} s of motion"),
+                );
             }
             Stage::Proved { pairs, leaves } => {
-                self.line("Proved", &format!("{pairs} pairs of bodies at every instant; the proof has {leaves} leaves"));
+                self.line(
+                    "Proved",
+                    &format!("{pairs} pairs of bodies at every instant; the proof has {leaves} leaves"),
+                );
             }
             Stage::Simulated { steps, dt } => {
                 let real_time = steps as f64 * dt / self.since.elapsed().as_secs_f64();
-                self.line("Simulated", &format!("{steps} steps of {} ms, {real_time:.0} times real time", dt * 1e3));
+                self.line(
+                    "Simulated",
+                    &format!("{steps} steps of {} ms, {real_time:.0} times real time", dt * 1e3),
+                );
             }
-            Stage::Judged { checks } => self.line("Judged", &format!("{checks} checks, from the recording alone")),
+            Stage::Judged { checks } => {
+                self.line("Judged", &format!("{checks} checks, from the recording alone"))
+            }
         }
     }
 

@@ -29,7 +29,10 @@ pub(super) fn select(words: &[String]) -> Result<Vec<Selected>, String> {
         } else {
             let named: Vec<Selected> = below(&default_root())?
                 .into_iter()
-                .filter(|scenario| scenario.name == *word || scenario.name.starts_with(&format!("{}::", word.trim_end_matches("::"))))
+                .filter(|scenario| {
+                    scenario.name == *word
+                        || scenario.name.starts_with(&format!("{}::", word.trim_end_matches("::")))
+                })
                 .collect();
             if named.is_empty() {
                 return Err(format!("{word}: no such file, folder or scenario; see graspcheck list"));

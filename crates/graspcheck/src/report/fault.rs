@@ -30,16 +30,14 @@ fn groups<'a>(fault: &'a Fault, sources: &'a [Source]) -> Vec<Group<'a>> {
         return vec![Group::with_title(title)];
     };
     let annotation = AnnotationKind::Primary.span(fault.span.clone()).label(fault.label.as_str());
-    let mut group = title.element(
-        Snippet::source(source.text.as_str()).path(source.path.as_str()).annotation(annotation),
-    );
+    let mut group = title
+        .element(Snippet::source(source.text.as_str()).path(source.path.as_str()).annotation(annotation));
     if let Some(second) = &fault.second
         && let Some(source) = sources.get(second.source)
     {
         let annotation = AnnotationKind::Context.span(second.span.clone()).label(second.label.as_str());
-        group = group.element(
-            Snippet::source(source.text.as_str()).path(source.path.as_str()).annotation(annotation),
-        );
+        group = group
+            .element(Snippet::source(source.text.as_str()).path(source.path.as_str()).annotation(annotation));
     }
     let mut groups = vec![group];
     if let Some(help) = &fault.help {

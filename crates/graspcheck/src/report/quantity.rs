@@ -27,6 +27,7 @@ fn display(unit: Unit, magnitude: f64) -> (&'static str, f64, usize) {
     };
     match unit {
         Unit::One => ("", 1.0, 3),
+        Unit::Count => ("", 1.0, 0),
         Unit::Second => ("s", 1.0, 3),
         Unit::Steps => ("steps", 1.0, 0),
         Unit::Meter => ("mm", 1e3, 2),

@@ -43,7 +43,26 @@ fn basis(result: &CheckResult) -> &'static str {
     }
 }
 
-fn cells(result: &CheckResult) -> [String; 8] {
+/// A finding as the words of a row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Words {
+    /// The worst value, with `≥` or `≤` when it is a bound.
+    pub value: String,
+    /// What it is held against.
+    pub limit: String,
+    /// The room left, with its sign.
+    pub margin: String,
+    /// When it is worst.
+    pub at: String,
+    /// Where, and in which phase.
+    pub place: String,
+    /// How it is known.
+    pub by: &'static str,
+}
+
+/// The words of a finding; `–` for what it does not have.
+#[must_use]
+pub fn words(result: &CheckResult) -> Words {
     let dash = || "–".to_owned();
     let (value, limit) = match (result.value, result.limit) {
         (Some(value), Some(limit)) => against(value, limit, result.unit, rounding(result)),
@@ -61,16 +80,14 @@ fn cells(result: &CheckResult) -> [String; 8] {
         Some(phase) => format!("{}, {phase}", subject(result)),
         None => subject(result),
     };
-    [
-        mark(result.outcome).to_owned(),
-        word(&result.check).to_owned(),
-        format!("{sign}{value}"),
+    Words {
+        value: format!("{sign}{value}"),
         limit,
-        result.margin.map_or_else(dash, |m| margin(m, result.margin_is_share, result.unit)),
-        result.time.map_or_else(dash, instant),
+        margin: result.margin.map_or_else(dash, |m| margin(m, result.margin_is_share, result.unit)),
+        at: result.time.map_or_else(dash, instant),
         place,
-        basis(result).to_owned(),
-    ]
+        by: basis(result),
+    }
 }
 
 /// The checks as a table, planned ones before executed ones, with styles for a terminal.
@@ -87,7 +104,8 @@ pub fn checks(results: &[CheckResult]) -> String {
             table.add_row(["", current]);
             styles.push(DIM);
         }
-        table.add_row(cells(result));
+        let Words { value, limit, margin, at, place, by } = words(result);
+        table.add_row([mark(result.outcome), word(&result.check), &value, &limit, &margin, &at, &place, by]);
         styles.push(match result.outcome {
             Outcome::Fail => FAILED,
             Outcome::Inconclusive => UNDECIDED,
@@ -101,11 +119,7 @@ pub fn checks(results: &[CheckResult]) -> String {
             column.set_cell_alignment(CellAlignment::Left);
         }
     }
-    table
-        .lines()
-        .zip(styles)
-        .map(|(line, style)| format!("{style}{}{style:#}\n", line.trim_end()))
-        .collect()
+    table.lines().zip(styles).map(|(line, style)| format!("{style}{}{style:#}\n", line.trim_end())).collect()
 }
 
 /// The phases on a ruler of time, and below it a mark at each violation.

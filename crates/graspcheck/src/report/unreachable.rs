@@ -130,8 +130,11 @@ fn branch(choice: &BranchChoice) -> String {
 fn reason(outcome: &CandidateOutcome, robot: &RobotModel) -> String {
     match outcome {
         CandidateOutcome::Limit { joint, value, limit, excess } => {
-            let kind =
-                robot.joints.iter().find(|other| other.name == *joint).map_or(JointKind::Revolute, |j| j.kind);
+            let kind = robot
+                .joints
+                .iter()
+                .find(|other| other.name == *joint)
+                .map_or(JointKind::Revolute, |j| j.kind);
             let side = if value > limit { "above" } else { "below" };
             format!("{joint} {} {side} {}", position(*excess, kind), position(*limit, kind))
         }

@@ -81,7 +81,9 @@ pub fn last_line(verdict: &Verdict) -> String {
             )
         }
         Outcome::Inconclusive | Outcome::NotRequested => {
-            format!("{UNDECIDED}INCONCLUSIVE{UNDECIDED:#}  {undecided} of {judged} checks could not be decided")
+            format!(
+                "{UNDECIDED}INCONCLUSIVE{UNDECIDED:#}  {undecided} of {judged} checks could not be decided"
+            )
         }
     }
 }
@@ -97,7 +99,8 @@ pub fn plain(text: &str) -> String {
 pub fn failure(verdict: &Verdict) -> String {
     let mut text = plain(&last_line(verdict));
     text.push('\n');
-    for result in verdict.checks.iter().filter(|r| matches!(r.outcome, Outcome::Fail | Outcome::Inconclusive)) {
+    for result in verdict.checks.iter().filter(|r| matches!(r.outcome, Outcome::Fail | Outcome::Inconclusive))
+    {
         text.push_str(&format!("\n  {}  {}", result.check, sentence(result)));
     }
     let passed: Vec<String> = of_outcome(verdict, Outcome::Pass)
