@@ -4,10 +4,11 @@ use graspcheck_verify::{CheckResult, Outcome};
 
 use super::quantity::{Rounding, against, instant, margin, quantity};
 
-/// The word of a check without the motion it judges: `jerk` of `planned.jerk`.
+/// The word of a check without the motion it judges: `jerk` of `planned.jerk`, `place angle` of
+/// `executed.place_angle`.
 #[must_use]
-pub fn word(check: &str) -> &str {
-    check.split_once('.').map_or(check, |(_, word)| word)
+pub fn word(check: &str) -> String {
+    check.split_once('.').map_or(check, |(_, word)| word).replace('_', " ")
 }
 
 /// The motion that a check judges: `planned` of `planned.jerk`.
@@ -50,7 +51,7 @@ pub fn sentence(result: &CheckResult) -> String {
         text.push_str(&subject(result));
         text.push_str(": ");
     }
-    text.push_str(word(&result.check));
+    text.push_str(&word(&result.check));
     match (result.outcome, result.value, result.limit) {
         (Outcome::Fail, Some(value), Some(limit)) => {
             let (value, limit) = against(value, limit, result.unit, rounding(result));

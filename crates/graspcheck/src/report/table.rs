@@ -105,7 +105,7 @@ pub fn checks(results: &[CheckResult]) -> String {
             styles.push(DIM);
         }
         let Words { value, limit, margin, at, place, by } = words(result);
-        table.add_row([mark(result.outcome), word(&result.check), &value, &limit, &margin, &at, &place, by]);
+        table.add_row([mark(result.outcome), &word(&result.check), &value, &limit, &margin, &at, &place, by]);
         styles.push(match result.outcome {
             Outcome::Fail => FAILED,
             Outcome::Inconclusive => UNDECIDED,
@@ -142,19 +142,23 @@ pub fn strip(phases: &[Phase], results: &[CheckResult]) -> String {
     let end_label = instant(end);
     let ruler: String = format!("0.0{end_label:>width$}", width = STRIP_WIDTH - 2);
     let mut text = format!("  {ruler}\n  {}\n", lane.into_iter().collect::<String>());
-    let mut marks = vec![' '; STRIP_WIDTH + 1];
-    let mut failing: Vec<&CheckResult> =
-        results.iter().filter(|result| result.outcome == Outcome::Fail && result.time.is_some()).collect();
-    failing.sort_by(|a, b| a.time.unwrap_or(0.0).total_cmp(&b.time.unwrap_or(0.0)));
-    for result in failing {
-        let at = column(result.time.unwrap_or(0.0).min(end));
-        for (slot, letter) in marks[at..].iter_mut().zip(format!("▲ {}", word(&result.check)).chars()) {
-            *slot = letter;
-        }
-    }
-    let marks: String = marks.into_iter().collect();
-    if !marks.trim_end().is_empty() {
-        text.push_str(&format!("  {FAILED}{}{FAILED:#}\n", marks.trim_end()));
+    let mut failing: Vec<(usize, String)> = results
+        .iter()
+        .filter(|result| result.outcome == Outcome::Fail)
+        .filter_map(|result| Some((column(result.time?.min(end)), format!("▲ {}", word(&result.check)))))
+        .collect();
+    failing.sort();
+    // Marks that would overlap go to further lines.
+    while !failing.is_empty() {
+        let mut line = String::new();
+        failing.retain(|(at, mark)| {
+            let room = line.chars().count() <= *at;
+            if room {
+                line = format!("{line:at$}{mark} ");
+            }
+            !room
+        });
+        text.push_str(&format!("  {FAILED}{}{FAILED:#}\n", line.trim_end()));
     }
     text
 }

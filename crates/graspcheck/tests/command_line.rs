@@ -1,0 +1,181 @@
+//! The command line as a user meets it: exit codes, messages, and nothing half-written.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+/// Runs the binary in the workspace with results into an empty folder of this test.
+fn graspcheck(test: &str, arguments: &[&str]) -> (Output, PathBuf) {
+    let out = folder(test).join("out");
+    let output = Command::new(env!("CARGO_BIN_EXE_graspcheck"))
+        .args(arguments)
+        .current_dir(WORKSPACE)
+        .env("GRASPCHECK_OUT", &out)
+        .env_remove("CLICOLOR_FORCE")
+        .output()
+        .expect("the binary starts");
+    (output, out)
+}
+
+fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("command_line").join(test);
+    fs::create_dir_all(&folder).expect("the folder for temporary files can be written");
+    folder
+}
+
+fn fresh_folder(test: &str) -> PathBuf {
+    let _ = fs::remove_dir_all(folder(test));
+    folder(test)
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A scenario file of this test that changes `scara/pick_cube.toml`.
+fn changed_pick(test: &str, change: impl Fn(String) -> String) -> PathBuf {
+    let text = fs::read_to_string(Path::new(WORKSPACE).join("scenarios/scara/pick_cube.toml")).unwrap();
+    let cells = Path::new(WORKSPACE).canonicalize().unwrap().join("scenarios/_cells");
+    let text = text.replace("../_cells", &cells.display().to_string());
+    let path = fresh_folder(test).join("changed.toml");
+    fs::write(&path, change(text)).unwrap();
+    path
+}
+
+fn assert_fails(output: &Output, out: &Path, code: i32, sentences: &[&str]) {
+    let text = stderr(output);
+    assert_eq!(output.status.code(), Some(code), "{text}");
+    for sentence in sentences {
+        assert!(text.contains(sentence), "`{sentence}` is not in\n{text}");
+    }
+    assert!(!out.exists(), "something was written to {}", out.display());
+}
+
+#[test]
+fn help_is_as_documented() {
+    for (name, arguments) in [("help", vec!["--help"]), ("run_help", vec!["run", "--help"])] {
+        let (output, _) = graspcheck("help", &arguments);
+        assert!(output.status.success());
+        insta::assert_snapshot!(name, String::from_utf8_lossy(&output.stdout));
+    }
+}
+
+#[test]
+fn list_names_scenarios_on_stdout() {
+    let (output, _) = graspcheck("list", &["list"]);
+    assert_eq!(output.status.code(), Some(0));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.lines().any(|line| line.starts_with("scara::pick_cube ")), "{text}");
+}
+
+#[test]
+fn a_run_prints_its_verdict_on_stdout_and_writes_its_log() {
+    let _ = fresh_folder("run");
+    let (output, out) = graspcheck("run", &["run", "scara::pick_cube"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.lines().any(|line| line.starts_with("PASS  ")), "{text}");
+    assert!(!text.contains('\u{1b}'), "no colours into a pipe");
+    assert!(out.join("scara/pick_cube/run.mcap").is_file());
+    let files = fs::read_dir(out.join("scara/pick_cube")).unwrap();
+    assert!(files.flatten().all(|file| !file.file_name().to_string_lossy().ends_with(".tmp")));
+}
+
+#[test]
+fn a_scenario_that_fails_on_purpose_is_as_expected() {
+    let (output, _) = graspcheck("negative", &["run", "negative::velocity_limit"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+}
+
+#[test]
+fn a_verdict_that_is_not_as_expected_has_a_code_of_its_own() {
+    let path = changed_pick("unexpected", |text| format!("expect_fail = [\"slip\"]\n{text}"));
+    let (output, _) = graspcheck("unexpected", &["run", &path.display().to_string()]);
+    assert_eq!(output.status.code(), Some(10), "{}", stderr(&output));
+}
+
+#[test]
+fn the_command_line_is_checked() {
+    let (output, out) = graspcheck("usage", &["run"]);
+    assert_fails(&output, &out, 2, &["SCENARIO"]);
+    let (output, out) = graspcheck("usage", &["run", "no::such_scenario"]);
+    assert_fails(&output, &out, 3, &["no::such_scenario: no such file, folder or scenario"]);
+    let empty = fresh_folder("empty");
+    let (output, out) = graspcheck("usage", &["run", &empty.display().to_string()]);
+    assert_fails(&output, &out, 3, &["there is no scenario"]);
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let (output, out) = graspcheck("missing", &["run", "scenarios/scara/absent.toml"]);
+    assert_fails(&output, &out, 20, &["scenarios/scara/absent.toml", "no such file"]);
+}
+
+#[test]
+fn all_faults_of_a_file_come_with_their_lines() {
+    let path = changed_pick("faults", |text| {
+        text.replace("mass_kg", "weight_kg").replace("quill_mm", "quill_deg").replace("title", "titel")
+    });
+    let (output, out) = graspcheck("faults", &["run", &path.display().to_string()]);
+    let sentences = [
+        "unknown key `weight_kg`",
+        "did you mean `mass_kg`?",
+        "joint quill is prismatic: `quill_deg` has the unit of an angle",
+        "unknown key `titel`",
+        "changed.toml:",
+        "nothing was run",
+    ];
+    assert_fails(&output, &out, 20, &sentences);
+}
+
+#[test]
+fn an_object_out_of_reach_is_explained_with_its_candidates() {
+    let path = changed_pick("unreachable", |text| {
+        let line = text.lines().find(|line| line.starts_with("at_mm")).expect("the cube has a place");
+        text.replacen(line, "at_mm = [190, -60, 15]", 1)
+    });
+    let (output, out) = graspcheck("unreachable", &["run", &path.display().to_string()]);
+    let sentences = ["UNREACHABLE  cube at (190.0, -60.0, 15.0) mm", "reachable", "elbow left", "try  at_mm"];
+    assert_fails(&output, &out, 21, &sentences);
+}
+
+/// A copy of the SCARA's asset folder with another URDF, and a scenario beside it.
+fn changed_robot(test: &str, change: impl Fn(String) -> String) -> PathBuf {
+    let path = changed_pick(test, |text| text);
+    let robot = folder(test).join("assets/robots/scara");
+    fs::create_dir_all(&robot).unwrap();
+    let source = Path::new(WORKSPACE).join("assets/robots/scara");
+    fs::copy(source.join("robot.toml"), robot.join("robot.toml")).unwrap();
+    let urdf = fs::read_to_string(source.join("scara.urdf")).unwrap();
+    fs::write(robot.join("scara.urdf"), change(urdf)).unwrap();
+    path
+}
+
+#[test]
+fn faults_of_a_urdf_are_shown_in_it() {
+    let path = changed_robot("urdf", |urdf| {
+        urdf.replacen("<mass value=\"4.5\"/>", "<mass value=\"oops\"/>", 1).replacen(
+            "velocity=\"7.5\"",
+            "velocity=\"7.5\" jerk=\"3000\"",
+            1,
+        )
+    });
+    let (output, out) = graspcheck("urdf", &["run", &path.display().to_string()]);
+    assert_fails(&output, &out, 20, &["scara.urdf:", "oops", "jerk", "robot.toml"]);
+}
+
+#[test]
+fn an_unreadable_mesh_is_a_fault_of_the_urdf() {
+    let path = changed_robot("mesh", |urdf| {
+        let collision = urdf.find("<collision").expect("the URDF has a collision shape");
+        let at = collision + urdf[collision..].find("<box size").expect("which is a box");
+        let end = at + urdf[at..].find("/>").expect("which ends") + 2;
+        format!("{}<mesh filename=\"lost.stl\"/>{}", &urdf[..at], &urdf[end..])
+    });
+    let (output, out) = graspcheck("mesh", &["run", &path.display().to_string()]);
+    assert_fails(&output, &out, 20, &["scara.urdf:", "lost.stl"]);
+}
