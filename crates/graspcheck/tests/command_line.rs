@@ -89,6 +89,17 @@ fn a_run_prints_its_verdict_on_stdout_and_writes_its_log() {
     assert!(files.flatten().all(|file| !file.file_name().to_string_lossy().ends_with(".tmp")));
 }
 
+/// Up to the simulation, whose last digits may differ between processors.
+#[test]
+fn the_readme_shows_what_its_first_command_prints() {
+    let readme = fs::read_to_string(Path::new(WORKSPACE).join("README.md")).unwrap();
+    let shown = readme.split("```text\n").nth(1).expect("the README shows the output");
+    let (output, _) = graspcheck("readme", &["run", "scenarios/scara/pick_cube.toml"]);
+    let printed = String::from_utf8_lossy(&output.stdout);
+    let planned = |text: &str| text.split("executed").next().map(str::to_owned);
+    assert_eq!(planned(shown), planned(&printed), "paste the output of the first command into the README");
+}
+
 #[test]
 fn a_scenario_that_fails_on_purpose_is_as_expected() {
     let (output, _) = graspcheck("negative", &["run", "negative::velocity_limit"]);
