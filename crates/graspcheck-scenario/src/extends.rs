@@ -181,6 +181,6 @@ mod tests {
         );
         let mut merged = merge(under, over, &Faults::default());
         drop_removed(&mut merged);
-        assert_eq!(plain(&merged), "{body=[{name=bench x=4 } {name=post x=3 } ]}");
+        assert_eq!(plain(&merged), "{body=[{name=bench x=4 } {name=post x=3 } ] }");
     }
 }

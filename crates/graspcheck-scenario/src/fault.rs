@@ -144,8 +144,25 @@ impl Faults {
     }
 
     /// All faults, ordered by source and place, each once.
+    ///
+    /// Where a file is not valid TOML, a key that seems to be missing may stand in a line that could not be
+    /// read, and a value that contains the error is not what was meant: neither is reported.
     pub(crate) fn into_sorted(self) -> Vec<Fault> {
         let mut list = self.list.into_inner();
+        let broken: Vec<(usize, usize)> = list
+            .iter()
+            .filter(|fault| fault.code == "syntax")
+            .map(|fault| (fault.source, fault.span.start))
+            .collect();
+        list.retain(|fault| {
+            let mut here =
+                broken.iter().filter(|(source, _)| *source == fault.source).map(|(_, start)| start);
+            match fault.code.as_str() {
+                "syntax" => true,
+                "missing-key" => here.next().is_none(),
+                _ => !here.any(|start| fault.span.contains(start)),
+            }
+        });
         list.sort_by(|a, b| (a.source, a.span.start, a.span.end).cmp(&(b.source, b.span.start, b.span.end)));
         list.dedup();
         list

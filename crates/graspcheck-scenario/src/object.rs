@@ -33,23 +33,29 @@ pub(crate) struct HandlePlace<'a> {
     pub(crate) down: bool,
 }
 
-/// Reads `[object.NAME]`. The outer option is none when there is a fault, the inner when there is no object.
-pub(crate) fn object<'a>(scenario: &Section<'a>) -> Option<Option<PlacedObject<'a>>> {
-    let Some(objects) = scenario.section("object", "the objects") else { return Some(None) };
-    let mut named = objects.named_sections("an object").into_iter();
-    let first = named.next();
-    let read = first.map(|(name, at, section)| one(name, at, section));
-    for (name, at, section) in named {
-        let title = format!("a scenario has one object, `{name}` is another");
-        scenario.faults().report(Fault::new("object", at, title, "make it a body of the cell"));
-        // Its keys are still checked.
-        one(name, at, section);
+/// The object as far as it could be read.
+pub(crate) struct ReadObject<'a> {
+    /// Its name, known also when it has faults.
+    pub(crate) name: Option<&'a str>,
+    /// None when there is no object or it has faults.
+    pub(crate) placed: Option<PlacedObject<'a>>,
+}
+
+/// Reads `[object.NAME]`.
+pub(crate) fn object<'a>(scenario: &Section<'a>) -> ReadObject<'a> {
+    let mut read = ReadObject { name: None, placed: None };
+    let Some(objects) = scenario.section("object", "the objects") else { return read };
+    for (name, at, section) in objects.named_sections("an object") {
+        let placed = one(name, at, section);
+        if read.name.is_none() {
+            read = ReadObject { name: Some(name), placed };
+        } else {
+            let title = format!("a scenario has one object, `{name}` is another");
+            scenario.faults().report(Fault::new("object", at, title, "make it a body of the cell"));
+        }
     }
     objects.finish();
-    match read {
-        Some(object) => object.map(Some),
-        None => Some(None),
-    }
+    read
 }
 
 fn one<'a>(name: &str, name_at: &'a Place, section: Section<'a>) -> Option<PlacedObject<'a>> {

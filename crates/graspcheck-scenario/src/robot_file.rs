@@ -82,14 +82,15 @@ fn joint(
     } else {
         (Quantity::AngularAcceleration, Quantity::AngularJerk, Quantity::Inertia)
     };
-    for (stem, quantity) in
-        [("acceleration_max", acceleration), ("jerk_max", jerk), ("rotor_inertia", inertia)]
-    {
-        wrong_kind(&section, name, slides, stem, quantity);
-    }
-    let acceleration = section.required_measure("acceleration_max", acceleration, Bound::Positive);
-    let jerk = section.required_measure("jerk_max", jerk, Bound::Positive);
-    let rotor_inertia = section.required_measure("rotor_inertia", inertia, Bound::NotNegative);
+    let read = |stem: &str, quantity: Quantity, bound: Bound| match wrong_kind(
+        &section, name, slides, stem, quantity,
+    ) {
+        true => None,
+        false => section.required_measure(stem, quantity, bound),
+    };
+    let acceleration = read("acceleration_max", acceleration, Bound::Positive);
+    let jerk = read("jerk_max", jerk, Bound::Positive);
+    let rotor_inertia = read("rotor_inertia", inertia, Bound::NotNegative);
     section.finish();
     Some(JointSettings {
         name: name.to_owned(),
@@ -99,15 +100,22 @@ fn joint(
     })
 }
 
-/// Reports the key of a joint that has the unit of the other kind of joint.
-pub(crate) fn wrong_kind(section: &Section<'_>, joint: &str, slides: bool, stem: &str, quantity: Quantity) {
-    let Some((key, at, other)) = section.misfit(stem, quantity) else { return };
+/// Reports the key of a joint that has the unit of the other kind of joint, and returns whether there is one.
+pub(crate) fn wrong_kind(
+    section: &Section<'_>,
+    joint: &str,
+    slides: bool,
+    stem: &str,
+    quantity: Quantity,
+) -> bool {
+    let Some((key, at, other)) = section.misfit(stem, quantity) else { return false };
     section.ask(key);
-    let kind = if slides { "prismatic" } else { "revolute" };
+    let (kind, counts) = if slides { ("prismatic", "lengths") } else { ("revolute", "angles") };
     let title = format!("joint {joint} is {kind}: `{key}` has the unit of {}", other.word());
     let write = quantity.key(stem);
     let fault = Fault::new("unit-of-kind", at, title, format!("write `{write}`"));
-    section.faults().report(fault.replace(format!("the unit of a {kind} joint: `{write}`"), write));
+    section.faults().report(fault.replace(format!("a {kind} joint counts in {counts}"), write));
+    true
 }
 
 /// A key such as `points = "-z"`, as a unit vector.

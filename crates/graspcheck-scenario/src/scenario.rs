@@ -14,7 +14,7 @@ use crate::{
     files::Files,
     find::name_of,
     motion::{Phases, pace, phases, share},
-    object::{PlacedObject, object},
+    object::object,
     robot::{self, LoadedRobot},
     robot_file::schema,
     scene::Scene,
@@ -85,7 +85,7 @@ fn read(path: &Path, files: &mut Files, faults: &Faults) -> Option<Scenario> {
     let bodies = bodies(&file);
     let object = object(&file);
     let phases = phases(&file);
-    let task_read = read_task(&file, model, object.as_ref(), phases.as_ref());
+    let task_read = read_task(&file, model, object.name, phases.as_ref());
     let share = share(&file);
     let execution = execution(&file, seed.unwrap_or(0));
     let checks = checks(&file, task_read.kind);
@@ -93,7 +93,7 @@ fn read(path: &Path, files: &mut Files, faults: &Faults) -> Option<Scenario> {
     let scene = Scene {
         robot: model,
         bodies: bodies.as_deref().unwrap_or(&[]),
-        object: object.as_ref().and_then(Option::as_ref),
+        object: object.placed.as_ref(),
         faults,
     };
     scene.check_names();
@@ -104,7 +104,7 @@ fn read(path: &Path, files: &mut Files, faults: &Faults) -> Option<Scenario> {
 
     let LoadedRobot { model, settings_source, urdf_source } = robot?;
     let (limits, rule) = checks?;
-    let object = object?.map(|placed| placed.object);
+    let object = object.placed.map(|placed| placed.object);
     let resolved = Resolved {
         schema: RESOLVED_SCHEMA,
         name: name_of(path),
@@ -133,16 +133,14 @@ fn read(path: &Path, files: &mut Files, faults: &Faults) -> Option<Scenario> {
 fn read_task(
     file: &Section<'_>,
     robot: Option<&RobotModel>,
-    object: Option<&Option<PlacedObject<'_>>>,
+    object: Option<&str>,
     phases: Option<&Phases<'_>>,
 ) -> ReadTask {
     let nothing = ReadTask { kind: None, phases: Vec::new(), task: None };
     let Some(section) = file.required_section("task", "a task") else { return nothing };
     let place = section.place();
-    // An object with faults still has its name, which the task may use.
-    let name = object.and_then(Option::as_ref).map(|placed| placed.object.name.as_str());
     let grip = phases.and_then(|phases| phases.grip.as_ref());
-    let read = task(section, robot, name, grip);
+    let read = task(section, robot, object, grip);
     let (Some(kind), Some(phases)) = (read.kind, phases) else { return read };
     for phase in &phases.arm {
         if !read.phases.contains(&phase.pace.phase) {

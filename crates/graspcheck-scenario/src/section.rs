@@ -33,6 +33,8 @@ pub(crate) struct Section<'a> {
     /// What it describes, with its article, e.g. `an object`.
     what: &'static str,
     asked: RefCell<Vec<String>>,
+    /// Keys that must be there and are not; `finish` reports them, since an unknown key may be one of them.
+    missing: RefCell<Vec<String>>,
     faults: &'a Faults,
 }
 
@@ -43,7 +45,14 @@ impl<'a> Section<'a> {
         what: &'static str,
         faults: &'a Faults,
     ) -> Self {
-        Self { table, title: title.into(), what, asked: RefCell::default(), faults }
+        Self {
+            table,
+            title: title.into(),
+            what,
+            asked: RefCell::default(),
+            missing: RefCell::default(),
+            faults,
+        }
     }
 
     /// Where the table stands.
@@ -72,10 +81,10 @@ impl<'a> Section<'a> {
         self.asked.borrow_mut().push(key.to_owned());
     }
 
-    /// Reports that `key` is missing.
+    /// Notes that `key` is missing, which `finish` reports.
     pub(crate) fn missing(&self, key: &str) {
-        let title = format!("missing key `{key}` in {}", self.title);
-        self.faults.report(Fault::new("missing-key", self.place(), title, format!("add `{key}`")));
+        self.ask(key);
+        self.missing.borrow_mut().push(key.to_owned());
     }
 
     /// The entry of this key; reports its absence.
@@ -319,22 +328,32 @@ impl<'a> Section<'a> {
         None
     }
 
-    /// Reports the keys that nobody asked for.
+    /// Reports the keys that nobody asked for, and those that are missing. An unknown key that is probably a
+    /// missing one is reported once, with that key as the cure.
     pub(crate) fn finish(self) {
         let asked = self.asked.into_inner();
+        let mut missing = self.missing.into_inner();
         for (key, entry) in &self.table.entries {
             if asked.contains(key) {
                 continue;
             }
             let title = format!("unknown key `{key}` in {}", self.title);
-            let label = format!("not a key of {}", self.what);
+            let fault =
+                Fault::new("unknown-key", &entry.key_at, title, format!("not a key of {}", self.what));
             let absent =
                 asked.iter().map(String::as_str).filter(|known| !self.table.entries.contains_key(*known));
-            let fault = Fault::new("unknown-key", &entry.key_at, title, label);
-            self.faults.report(match nearest(key, absent) {
-                Some(near) => fault.replace(format!("did you mean `{near}`?"), near),
+            let meant = nearest(key, absent).map(str::to_owned).or_else(|| of_the_same_unit(key, &missing));
+            self.faults.report(match meant {
+                Some(meant) => {
+                    missing.retain(|key| *key != meant);
+                    fault.replace(format!("did you mean `{meant}`?"), meant)
+                }
                 None => fault,
             });
+        }
+        for key in missing {
+            let title = format!("missing key `{key}` in {}", self.title);
+            self.faults.report(Fault::new("missing-key", &self.table.at, title, format!("add `{key}`")));
         }
     }
 
@@ -349,7 +368,7 @@ impl<'a> Section<'a> {
 impl Fault {
     /// Proposes another key.
     fn replace_key(self, key: String) -> Self {
-        self.replace(format!("the unit stands in the key: `{key}`"), key)
+        self.replace("the unit stands in the key", key)
     }
 }
 
@@ -429,6 +448,14 @@ pub(crate) fn wrong_type(key: &str, node: &Node, wanted: &str, faults: &Faults) 
 
 fn ends_in_unit(key: &str, quantity: Quantity) -> bool {
     quantity.units().iter().any(|unit| key.strip_suffix(unit.suffix).is_some_and(|stem| stem.ends_with('_')))
+}
+
+/// The only missing key that ends in the same unit as `key`, e.g. `mass_kg` for `weight_kg`.
+fn of_the_same_unit(key: &str, missing: &[String]) -> Option<String> {
+    let quantity = Quantity::ALL.into_iter().find(|quantity| ends_in_unit(key, *quantity))?;
+    let mut same = missing.iter().filter(|missing| ends_in_unit(missing, quantity));
+    let only = same.next()?;
+    same.next().is_none().then(|| only.clone())
 }
 
 /// The number at the start of a text such as `-70 deg`.

@@ -8,7 +8,7 @@ use graspcheck_model::{
 use nalgebra::Point2;
 
 use crate::{
-    fault::{Fault, Place},
+    fault::{Fault, Faults, Place},
     motion::GripPace,
     quantity::Quantity,
     robot_file::wrong_kind,
@@ -80,8 +80,8 @@ fn pick_and_place(
     let named = object_named(section, object);
     let start = section.required_section("start", "a start position").and_then(|start| {
         let robot = robot?;
-        let positions = joint_positions(start, &robot.joints)?;
-        within_limits(&positions, &robot.joints, section)
+        let positions = joint_positions(start, &robot.joints);
+        within_limits(&positions, &robot.joints, section.faults()).then(|| positions_of(positions)).flatten()
     });
     let place = section.required_section("place", "a place").and_then(|place| {
         let pose = upright_pose(&place);
@@ -99,7 +99,7 @@ fn pick_and_place(
     let grip = grip?;
     let world_from_placed: Pose = place?;
     Some(PickAndPlace {
-        start: start?.into_iter().map(|position| position.value).collect(),
+        start: start?,
         world_from_placed,
         pregrasp_distance: pregrasp?,
         departure: departure?,
@@ -133,13 +133,15 @@ struct Position<'a> {
 }
 
 /// Reads one position for each joint; the unit follows the joint's kind.
-fn joint_positions<'a>(section: Section<'a>, joints: &[Joint]) -> Option<Vec<Position<'a>>> {
-    let read: Vec<_> = joints
+fn joint_positions<'a>(section: Section<'a>, joints: &[Joint]) -> Vec<Option<Position<'a>>> {
+    let read = joints
         .iter()
         .map(|joint| {
             let slides = joint.kind == JointKind::Prismatic;
             let quantity = if slides { Quantity::Length } else { Quantity::Angle };
-            wrong_kind(&section, &joint.name, slides, &joint.name, quantity);
+            if wrong_kind(&section, &joint.name, slides, &joint.name, quantity) {
+                return None;
+            }
             if !section.mentions(&joint.name) {
                 section.missing(&quantity.key(&joint.name));
             }
@@ -147,17 +149,19 @@ fn joint_positions<'a>(section: Section<'a>, joints: &[Joint]) -> Option<Vec<Pos
         })
         .collect();
     section.finish();
-    read.into_iter().collect()
+    read
 }
 
-/// Reports every start position outside its joint's limits.
-fn within_limits<'a>(
-    positions: &[Position<'a>],
-    joints: &[Joint],
-    section: &Section<'_>,
-) -> Option<Vec<Position<'a>>> {
+/// The values, if all could be read.
+fn positions_of(positions: Vec<Option<Position<'_>>>) -> Option<Vec<f64>> {
+    positions.into_iter().map(|position| position.map(|position| position.value)).collect()
+}
+
+/// Reports every start position outside its joint's limits, and returns whether there is none.
+fn within_limits(positions: &[Option<Position<'_>>], joints: &[Joint], faults: &Faults) -> bool {
     let mut inside = true;
     for (position, joint) in positions.iter().zip(joints) {
+        let Some(position) = position else { continue };
         let limits = &joint.limits;
         let (limit, relation, word) = if position.value < limits.position_min {
             (limits.position_min, "below", "low")
@@ -179,11 +183,9 @@ fn within_limits<'a>(
             shown(limit)
         );
         let fault = Fault::new("outside-limit", position.at, title, format!("{excess} too {word}"));
-        section.faults().report(fault.help("the limit comes from the robot's URDF"));
+        faults.report(fault.help("the limit comes from the robot's URDF"));
     }
-    inside.then(|| {
-        positions.iter().map(|position| Position { value: position.value, at: position.at }).collect()
-    })
+    inside
 }
 
 fn via(section: &Section<'_>) -> Option<CartesianVia> {
@@ -249,8 +251,7 @@ fn segments(section: &Section<'_>, robot: Option<&RobotModel>) -> (Vec<String>, 
 }
 
 fn values(section: Section<'_>, robot: Option<&RobotModel>) -> Option<Vec<f64>> {
-    let positions = joint_positions(section, &robot?.joints)?;
-    Some(positions.into_iter().map(|position| position.value).collect())
+    positions_of(joint_positions(section, &robot?.joints))
 }
 
 /// Reports a phase that the task does not have.

@@ -70,21 +70,38 @@ impl Node {
 /// The tree of a TOML text. Syntax errors are reported; what could be read besides them is returned.
 pub(crate) fn parse(text: &str, source: usize, faults: &Faults) -> Table {
     let (root, errors) = DeTable::parse_recoverable(text);
-    for (span, message) in first_of_each_cascade(errors) {
+    for (span, message) in first_of_each_cascade(text, errors) {
         let at = Place { source, span };
         faults.report(Fault::new("syntax", &at, format!("not valid TOML: {message}"), "here"));
     }
     table(root.get_ref(), Place { source, span: 0..0 }, faults)
 }
 
-/// One broken line makes several errors (an unclosed bracket about ten); only the first of a run of errors
-/// that touch or share a line tells something.
-fn first_of_each_cascade(errors: Vec<toml::de::Error>) -> Vec<(Range<usize>, String)> {
+/// An unclosed bracket makes errors in every line after it: of a run of lines with errors only the first
+/// tells something, except that the last may say what was left open.
+fn first_of_each_cascade(text: &str, errors: Vec<toml::de::Error>) -> Vec<(Range<usize>, String)> {
     let mut errors: Vec<_> =
         errors.into_iter().map(|error| (error.span().unwrap_or(0..0), error.message().to_owned())).collect();
     errors.sort_by_key(|(span, _)| (span.start, span.end));
-    errors.truncate(1);
-    errors
+    let lines: Vec<&str> = text.lines().collect();
+    let line_of = |byte: usize| text.get(..byte).unwrap_or(text).matches('\n').count();
+    let mut kept: Vec<(Range<usize>, String)> = Vec::new();
+    let mut last_line = 0;
+    for (span, message) in errors {
+        let line = line_of(span.start);
+        let between = lines.get(last_line + 1..line).unwrap_or_default();
+        let goes_on = between.iter().all(|line| line.trim().is_empty());
+        last_line = line;
+        match kept.last_mut() {
+            Some((_, first)) if goes_on => {
+                if message.starts_with("unclosed") {
+                    *first = message;
+                }
+            }
+            _ => kept.push((span, message)),
+        }
+    }
+    kept
 }
 
 fn table(table: &DeTable<'_>, at: Place, faults: &Faults) -> Table {
