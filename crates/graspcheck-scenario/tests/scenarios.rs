@@ -82,14 +82,22 @@ fn handles_point_at_the_object_and_close_across_it() {
 
 #[test]
 fn a_child_changes_only_what_it_says() {
-    let parent = scenario("scara/pick_cube.toml").resolved;
-    let child = scenario("negative/velocity_limit.toml").resolved;
+    let parent = scenario("scara/pick_over_wall.toml").resolved;
+    let child = scenario("negative/planned_collision.toml").resolved;
     assert_eq!(child.robot, parent.robot);
-    assert_eq!(child.cell, parent.cell);
     assert_eq!(child.object, parent.object);
-    assert_eq!(child.task, parent.task);
-    assert_eq!(child.pace.phases.len(), 1);
-    assert_eq!(child.pace.phases[0].phase, "carry");
+    assert_eq!(child.pace, parent.pace);
+    assert_eq!(child.cell.clearance, parent.cell.clearance);
+    let changed: Vec<_> = child
+        .cell
+        .bodies
+        .iter()
+        .zip(&parent.cell.bodies)
+        .filter(|(child, parent)| child != parent)
+        .map(|(child, _)| child.name.as_str())
+        .collect();
+    assert_eq!(changed, ["wall"]);
+    assert_eq!(child.cell.bodies.len(), parent.cell.bodies.len());
 }
 
 #[test]
