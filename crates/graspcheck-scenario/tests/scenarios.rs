@@ -125,3 +125,43 @@ fn provenance_holds_the_files_as_they_are() {
     assert_eq!(scenario.provenance[5].data, urdf);
     assert_eq!(scenario.urdf().as_bytes(), urdf);
 }
+
+/// Every key that the sources ask a table for stands in the documentation of scenarios or of assets.
+#[test]
+fn every_key_is_documented() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |path: &str| std::fs::read_to_string(folder.join(path)).unwrap();
+    let documented = read("../../scenarios/README.md") + &read("../../assets/README.md");
+    let mut missing = Vec::new();
+    let mut keys = 0;
+    for file in ["cell", "checks", "execution", "motion", "object", "robot_file", "scenario", "shape", "task"]
+    {
+        let source = read(&format!("src/{file}.rs"));
+        let source = source.split("#[cfg(test)]").next().unwrap_or_default();
+        // Readers are methods of a section whose first argument is the key: `.required_measure("mass", …)`.
+        for call in source.split(['.', ' ']).filter(|call| call.contains("(\"")) {
+            let (method, rest) = call.split_once("(\"").unwrap();
+            let reads = [
+                "required", "measure", "text", "flag", "whole", "word", "plain", "section", "vector", "entry",
+            ];
+            if !reads.iter().any(|read| method.contains(read)) {
+                continue;
+            }
+            let key = rest.split('"').next().unwrap_or_default();
+            keys += 1;
+            if !documented.contains(key) {
+                missing.push(format!("{file}.rs: {key}"));
+            }
+        }
+    }
+    assert!(keys > 50, "only {keys} keys were found: the way of reading them has changed");
+    assert!(missing.is_empty(), "not in scenarios/README.md or assets/README.md: {missing:?}");
+}
+
+#[test]
+fn the_example_of_the_documentation_is_the_scenario_itself() {
+    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let documented = std::fs::read_to_string(scenarios.join("README.md")).unwrap();
+    let example = std::fs::read_to_string(scenarios.join("scara/pick_cube.toml")).unwrap();
+    assert!(documented.contains(example.trim_end()), "paste scara/pick_cube.toml into scenarios/README.md");
+}
