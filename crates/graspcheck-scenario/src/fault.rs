@@ -163,7 +163,7 @@ impl Faults {
                 _ => !here.any(|start| fault.span.contains(start)),
             }
         });
-        list.sort_by(|a, b| (a.source, a.span.start, a.span.end).cmp(&(b.source, b.span.start, b.span.end)));
+        list.sort_by_key(|fault| (fault.source, fault.span.start, fault.span.end));
         list.dedup();
         list
     }

@@ -38,6 +38,9 @@ pub(crate) struct Section<'a> {
     faults: &'a Faults,
 }
 
+/// A key with its unit, its entry, and the conversion to SI.
+pub(crate) type Measured<'a> = (String, &'a Entry, fn(f64) -> f64);
+
 impl<'a> Section<'a> {
     pub(crate) fn new(
         table: &'a Table,
@@ -295,12 +298,8 @@ impl<'a> Section<'a> {
 
     /// The entry of `stem` with one of the quantity's units, and its conversion. Reports two units at once,
     /// the unit of another quantity, and a key without its unit.
-    pub(crate) fn with_unit(
-        &self,
-        stem: &str,
-        quantity: Quantity,
-    ) -> Option<(String, &'a Entry, fn(f64) -> f64)> {
-        let mut found: Option<(String, &'a Entry, fn(f64) -> f64)> = None;
+    pub(crate) fn with_unit(&self, stem: &str, quantity: Quantity) -> Option<Measured<'a>> {
+        let mut found: Option<Measured<'a>> = None;
         for (key, unit) in quantity.keys(stem) {
             let Some(entry) = self.entry(&key) else { continue };
             if let Some((first, first_entry, _)) = &found {

@@ -1,5 +1,7 @@
 //! Every kind of fault: what is said, and which text it points to.
 
+#![expect(clippy::unwrap_used, reason = "a helper of a test fails like the test")]
+
 use std::{
     fmt::Write,
     fs,

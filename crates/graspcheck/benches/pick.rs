@@ -30,7 +30,7 @@ fn pick(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("pick_cube");
     group.sample_size(10);
     group.bench_function("plan and prove all candidates", |bencher| {
-        bencher.iter(|| plan(black_box(&scenario)))
+        bencher.iter(|| plan(black_box(&scenario)));
     });
     group.bench_function("prove clearance of the plan", |bencher| {
         bencher.iter(|| scene.certify(black_box(&planned)));

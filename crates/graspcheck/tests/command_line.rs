@@ -1,5 +1,7 @@
 //! The command line as a user meets it: exit codes, messages, and nothing half-written.
 
+#![expect(clippy::unwrap_used, reason = "a helper of a test fails like the test")]
+
 use std::{
     fs,
     path::{Path, PathBuf},

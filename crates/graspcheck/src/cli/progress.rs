@@ -72,7 +72,7 @@ impl Observer for Progress {
                 );
             }
             Stage::Judged { checks } => {
-                self.line("Judged", &format!("{checks} checks, from the recording alone"))
+                self.line("Judged", &format!("{checks} checks, from the recording alone"));
             }
         }
     }
