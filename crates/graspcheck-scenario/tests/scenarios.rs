@@ -134,6 +134,13 @@ fn every_key_is_documented() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let read = |path: &str| std::fs::read_to_string(folder.join(path)).unwrap();
     let documented = read("../../scenarios/README.md") + &read("../../assets/README.md");
+    let words: Vec<&str> = documented.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').collect();
+    // A measure stands there with its unit: `at` as `at_mm`.
+    let stands = |key: &str| {
+        words
+            .iter()
+            .any(|word| word.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('_')))
+    };
     let mut missing = Vec::new();
     let mut keys = 0;
     for file in ["cell", "checks", "execution", "motion", "object", "robot_file", "scenario", "shape", "task"]
@@ -151,7 +158,7 @@ fn every_key_is_documented() {
             }
             let key = rest.split('"').next().unwrap_or_default();
             keys += 1;
-            if !documented.contains(key) {
+            if !stands(key) {
                 missing.push(format!("{file}.rs: {key}"));
             }
         }
