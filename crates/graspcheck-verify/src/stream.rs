@@ -190,9 +190,9 @@ pub(crate) fn timed(stream: &'static str, time_ns: &[i64], evidence: &Evidence<'
             return Err(Gap::inconclusive(Some(before), note));
         }
     }
-    let end = evidence.plan.duration();
+    let end = evidence.plan.duration() + execution.settle;
     if seconds(last) < end - execution.dt {
-        let note = format!("stream {stream} ends at {} s, before the plan does at {end} s", seconds(last));
+        let note = format!("stream {stream} ends at {} s, before the run does at {end} s", seconds(last));
         return Err(Gap::inconclusive(Some(seconds(last)), note));
     }
     Ok(())

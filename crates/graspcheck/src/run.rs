@@ -2,7 +2,7 @@
 
 use graspcheck_model::plan::Plan;
 use graspcheck_planner::{PlanError, Planned};
-use graspcheck_proof::{Certificate, Scene, SceneError};
+use graspcheck_proof::{Certificate, ProofOutcome, Scene, SceneError};
 use graspcheck_recording::{Attachment, Diagnostic, Event, Level, Recording};
 use graspcheck_scenario::Scenario;
 use graspcheck_sim::SimError;
@@ -52,6 +52,8 @@ pub enum Stage {
     },
     /// Its clearance is proved or refuted.
     Proved {
+        /// How the proof came out.
+        outcome: ProofOutcome,
         /// Pairs of bodies that were judged.
         pairs: usize,
         /// Leaves of the proof.
@@ -111,7 +113,11 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
         Some(certificate) => certificate,
         None => Scene::new(&resolved.robot, &resolved.cell, object)?.certify(&plan),
     };
-    observer.done(Stage::Proved { pairs: certificate.pairs.len(), leaves: leaf_count(&certificate) });
+    observer.done(Stage::Proved {
+        outcome: certificate.outcome(),
+        pairs: certificate.pairs.len(),
+        leaves: leaf_count(&certificate),
+    });
 
     let mut recording = match &resolved.execution {
         Some(execution) => {

@@ -79,6 +79,20 @@ fn list_names_scenarios_on_stdout() {
 }
 
 #[test]
+fn a_prefix_of_names_selects_many() {
+    let (output, _) = graspcheck("prefix", &["run", "scara::pick", "--no-simulate"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("2 scenarios"));
+}
+
+#[test]
+fn a_refuted_plan_is_not_called_proved() {
+    let (output, _) = graspcheck("refuted", &["run", "negative::planned_collision"]);
+    let text = stderr(&output);
+    assert!(text.contains("Refuted") && !text.contains("Proved"), "{text}");
+}
+
+#[test]
 fn a_run_prints_its_verdict_on_stdout_and_writes_its_log() {
     let _ = fresh_folder("run");
     let (output, out) = graspcheck("run", &["run", "scara::pick_cube"]);

@@ -305,6 +305,10 @@ mod tests {
         let result = short.check("executed.velocity");
         assert_eq!((result.outcome, result.time), (Outcome::Inconclusive, Some(1.99)));
 
+        let mut unsettled = fixture::pick();
+        unsettled.resolved.execution.as_mut().unwrap().settle = 0.5;
+        assert_eq!(unsettled.check("executed.velocity").outcome, Outcome::Inconclusive);
+
         let mut late = fixture::pick();
         for time_ns in &mut late.recording.measured.time_ns {
             *time_ns += fixture::ns_of(1.0);

@@ -10,6 +10,7 @@ use graspcheck::{
     Observer, Stage,
     report::{DIM, NAME},
 };
+use graspcheck_proof::ProofOutcome;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Quick things are quiet: no bar before this.
@@ -58,11 +59,14 @@ impl Observer for Progress {
                     &format!("{phases} phases, {pieces} polynomial pieces, {duration:.3} s of motion"),
                 );
             }
-            Stage::Proved { pairs, leaves } => {
-                self.line(
-                    "Proved",
-                    &format!("{pairs} pairs of bodies at every instant; the proof has {leaves} leaves"),
-                );
+            Stage::Proved { outcome, pairs, leaves } => {
+                let verb = match outcome {
+                    ProofOutcome::Free => "Proved",
+                    ProofOutcome::Violated => "Refuted",
+                    ProofOutcome::Unknown | ProofOutcome::NotChecked => "Undecided",
+                };
+                let what = format!("clearance of {pairs} pairs at every instant, with {leaves} leaves");
+                self.line(verb, &what);
             }
             Stage::Simulated { steps, dt } => {
                 let real_time = steps as f64 * dt / self.since.elapsed().as_secs_f64();

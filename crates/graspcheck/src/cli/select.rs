@@ -29,10 +29,7 @@ pub(super) fn select(words: &[String]) -> Result<Vec<Selected>, String> {
         } else {
             let named: Vec<Selected> = below(&default_root())?
                 .into_iter()
-                .filter(|scenario| {
-                    scenario.name == *word
-                        || scenario.name.starts_with(&format!("{}::", word.trim_end_matches("::")))
-                })
+                .filter(|scenario| scenario.name.starts_with(word.as_str()))
                 .collect();
             if named.is_empty() {
                 return Err(format!("{word}: no such file, folder or scenario; see graspcheck list"));
