@@ -81,7 +81,13 @@ impl Plan {
     /// When the plan has no phase, which no planner makes.
     #[must_use]
     pub fn phase_at(&self, t: f64) -> &Phase {
-        let index = self.phases.partition_point(|phase| phase.start <= t).max(1) - 1;
-        &self.phases[index]
+        &self.phases[self.phase_index_at(t)]
+    }
+
+    /// The index of the phase at time `t`; at a boundary of the one that begins there, after the end of the
+    /// last, and 0 when there is no phase.
+    #[must_use]
+    pub fn phase_index_at(&self, t: f64) -> usize {
+        self.phases.partition_point(|phase| phase.start <= t).max(1) - 1
     }
 }

@@ -5,17 +5,17 @@
 //! required disprove it. Otherwise both halves are looked at. Each node of the search computes the places of
 //! the solids once for all pairs that are still open there.
 
-use graspcheck_model::plan::{Holding, Plan};
+use graspcheck_model::plan::Plan;
 use nalgebra::Vector3;
 
 use crate::{
     certificate::{CERTIFICATE_SCHEMA, Certificate, Doubt, Leaf, PairCertificate, PairVerdict, Violation},
-    contact::{Requirement, Stage},
+    contact::{Requirement, Stages},
     displacement::Moment,
     gap::{GAP_SLACK, Separation, first_normal, gap, overlap_of_at_least, separation},
     scene::{PartPair, Scene},
     solid::Placed,
-    stretch::{Stretch, middle, stretches},
+    stretch::{middle, stretches},
 };
 
 /// Intervals that cannot be decided and are shorter than this, s, end the search for their pair. An arm at
@@ -106,14 +106,14 @@ impl Scene {
     ) -> Result<(), String> {
         let stretches = stretches(plan, self.robot.dof())?;
         let stages = Stages::new(self, plan)?;
-        let mut moment = Moment::new(self, stages.of(plan.phases[0].holding));
+        let mut moment = Moment::new(self, stages.of(0));
         let mut normals: Vec<Option<Vector3<f64>>> = vec![None; self.pairs.len()];
         let mut nodes: Vec<Node> = Vec::new();
         let mut open: Vec<Open> = Vec::new();
         let mut still_open: Vec<Open> = Vec::new();
         for stretch in &stretches {
             let phase = &plan.phases[stretch.phase];
-            let stage = stages.of(phase.holding);
+            let stage = stages.of(stretch.phase);
             open.clear();
             for (pair, normal) in normals.iter().enumerate() {
                 if !is_settled(verdicts[pair].as_ref()) {
@@ -247,33 +247,6 @@ impl View<'_> {
             points: points.map(Into::into),
         })
     }
-}
-
-/// The scene in every kind of holding that a plan has.
-pub(crate) struct Stages(Vec<(Holding, Stage)>);
-
-impl Stages {
-    pub(crate) fn new(scene: &Scene, plan: &Plan) -> Result<Self, String> {
-        let mut stages: Vec<(Holding, Stage)> = Vec::with_capacity(6);
-        for phase in &plan.phases {
-            if stages.iter().all(|(holding, _)| *holding != phase.holding) {
-                stages.push((phase.holding, Stage::new(scene, plan, phase.holding)?));
-            }
-        }
-        Ok(Self(stages))
-    }
-
-    /// # Panics
-    /// When the plan has no phase that holds the object so.
-    pub(crate) fn of(&self, holding: Holding) -> &Stage {
-        let found = self.0.iter().find(|(known, _)| *known == holding);
-        &found.expect("there is a stage for the holding of every phase of the plan").1
-    }
-}
-
-/// The scene during a stretch of the plan.
-pub(crate) fn stage_of<'s>(stages: &'s Stages, plan: &Plan, stretch: &Stretch) -> &'s Stage {
-    stages.of(plan.phases[stretch.phase].holding)
 }
 
 #[cfg(test)]

@@ -244,15 +244,13 @@ fn half_opening(opening: Range, least: f64) -> Range {
 
 #[cfg(test)]
 mod tests {
-    use graspcheck_model::{
-        plan::{Holding, Plan},
-        robot::RobotModel,
-    };
+    use graspcheck_model::{plan::Plan, robot::RobotModel};
     use graspcheck_motion::{Polynomial, Trajectory};
     use proptest::prelude::*;
 
     use super::*;
     use crate::{
+        contact::Occasion,
         fixtures::{self, Draw},
         stretch::{middle, stretches},
     };
@@ -303,7 +301,7 @@ mod tests {
         let obstacle = ("obstacle", fixtures::boxed(0.1, 0.1, 0.1), fixtures::at(3.0, 0.0, 0.0));
         let scene = Scene::new(&robot, &fixtures::cell(0.0, vec![obstacle]), None).unwrap();
         let plan = random_plan(&mut draw, robot.dof(), reach);
-        let stage = Stage::new(&scene, &plan, Holding::Nothing).unwrap();
+        let stage = Stage::new(&scene, &plan, Occasion::of(&plan, 0)).unwrap();
         let stretch = &stretches(&plan, robot.dof()).unwrap()[0];
         let (start, end) = (draw.between(0.0, 0.5), draw.between(0.5, 1.0));
         let n = Vector3::from_fn(|_, _| draw.between(-1.0, 1.0)).normalize();
@@ -346,7 +344,7 @@ mod tests {
             let obstacle = ("obstacle", fixtures::boxed(0.1, 0.1, 0.1), fixtures::at(1.0, 0.0, 0.0));
             let scene = Scene::new(&robot, &fixtures::cell(0.0, vec![obstacle]), None).unwrap();
             let plan = random_plan(&mut draw, robot.dof(), reach);
-            let stage = Stage::new(&scene, &plan, Holding::Nothing).unwrap();
+            let stage = Stage::new(&scene, &plan, Occasion::of(&plan, 0)).unwrap();
             let stretch = &stretches(&plan, robot.dof()).unwrap()[0];
             let (start, end) = (draw.between(0.2, 0.5), draw.between(0.5, 0.8));
             let mut moment = Moment::new(&scene, &stage);
@@ -384,7 +382,7 @@ mod tests {
         let obstacle = ("obstacle", fixtures::boxed(0.1, 0.1, 0.1), fixtures::at(3.0, 0.0, 0.0));
         let scene = Scene::new(&robot, &fixtures::cell(0.0, vec![obstacle]), None).unwrap();
         let plan = fixtures::rest_to_rest(&[-0.5, -0.5], &[0.5, 0.5], 1.0);
-        let stage = Stage::new(&scene, &plan, Holding::Nothing).unwrap();
+        let stage = Stage::new(&scene, &plan, Occasion::of(&plan, 0)).unwrap();
         let mut moment = Moment::new(&scene, &stage);
         moment.set(&stage, &stretches(&plan, 2).unwrap()[0], 0.0, 1.0);
         let part = scene.bodies.iter().find(|body| body.name == "swinging").unwrap().first_part;
@@ -400,7 +398,7 @@ mod tests {
         let table = ("table", fixtures::boxed(1.0, 1.0, 0.05), fixtures::at(0.0, 0.0, -0.05));
         let scene = Scene::new(&fixtures::scara(), &fixtures::cell(0.0, vec![table]), None).unwrap();
         let up = fixtures::rest_to_rest(&[0.0, 0.0, -0.1, 0.0], &[1.0, 2.0, 0.0, 3.0], 1.0);
-        let stage = Stage::new(&scene, &up, Holding::Nothing).unwrap();
+        let stage = Stage::new(&scene, &up, Occasion::of(&up, 0)).unwrap();
         let mut moment = Moment::new(&scene, &stage);
         let stretch = &stretches(&up, 4).unwrap()[0];
         moment.set(&stage, stretch, 0.0, 1.0);

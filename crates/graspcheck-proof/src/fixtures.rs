@@ -5,7 +5,7 @@ use graspcheck_model::{
     cell::{Cell, CellBody, ClearanceRule},
     inertia::Inertial,
     plan::{Holding, Phase, Plan},
-    robot::{Family, Finger, Gripper, Joint, JointKind, JointLimits, Link, RobotModel},
+    robot::{AllowedContact, Family, Finger, Gripper, Joint, JointKind, JointLimits, Link, RobotModel},
     shape::{PlacedShape, Shape},
 };
 use graspcheck_motion::{Polynomial, Trajectory};
@@ -40,7 +40,8 @@ pub(crate) fn link(name: &str, shapes: Vec<(Pose, Shape)>) -> Link {
 }
 
 /// An arm at the world's origin whose gripper points along -z of the last link. Its fingers, 10 mm thick,
-/// 20 mm wide and 40 mm long, close along y, and their tips are 30 mm below the tool frame.
+/// 20 mm wide and 40 mm long, close along y, and their tips are 30 mm below the tool frame. Neighbours may
+/// touch.
 pub(crate) fn robot(joints: Vec<Joint>, links: Vec<Link>) -> RobotModel {
     let link_from_tool = Isometry3::from_parts(
         Translation3::new(0.0, 0.0, -0.06),
@@ -52,6 +53,20 @@ pub(crate) fn robot(joints: Vec<Joint>, links: Vec<Link>) -> RobotModel {
         link_from_finger: at(0.0, 0.0, -0.06),
         axis: Unit::new_normalize(Vector3::new(0.0, side, 0.0)),
     };
+    let fingers = ["finger_left", "finger_right"];
+    let names: Vec<&str> = links.iter().map(|link| link.name.as_str()).collect();
+    let mut allowed_contacts: Vec<AllowedContact> = Vec::new();
+    let mut allow = |a: &str, b: &str, reason: &str| {
+        allowed_contacts.push(AllowedContact { a: a.to_owned(), b: b.to_owned(), reason: reason.to_owned() });
+    };
+    allow("base", names[0], "the first bearing");
+    for pair in names.windows(2) {
+        allow(pair[0], pair[1], "a bearing");
+    }
+    for finger in fingers {
+        allow(names[names.len() - 1], finger, "the finger slides along the palm");
+    }
+    allow(fingers[0], fingers[1], "the pads meet");
     RobotModel {
         name: "fixture".to_owned(),
         family: Family::General,
@@ -61,13 +76,13 @@ pub(crate) fn robot(joints: Vec<Joint>, links: Vec<Link>) -> RobotModel {
         links,
         link_from_tool,
         gripper: Gripper {
-            fingers: [finger("finger_left", 1.0), finger("finger_right", -1.0)],
+            fingers: [finger(fingers[0], 1.0), finger(fingers[1], -1.0)],
             opening_max: 0.1,
             free_opening: 0.005,
             force_max: 50.0,
             finger_speed: 0.1,
         },
-        allowed_contacts: vec![],
+        allowed_contacts,
     }
 }
 

@@ -10,8 +10,8 @@ use graspcheck_model::plan::Plan;
 use nalgebra::Vector3;
 
 use crate::{
-    certify::{SHORTEST_INTERVAL, Stages, stage_of},
-    contact::Requirement,
+    certify::SHORTEST_INTERVAL,
+    contact::{Requirement, Stages},
     displacement::Moment,
     gap::{first_normal, gap, overlap_of_at_least, separation},
     scene::Scene,
@@ -176,7 +176,7 @@ impl Scene {
     pub fn minimum_margin(&self, plan: &Plan, tolerance: f64) -> Option<MarginBounds> {
         let stretches = stretches(plan, self.robot.dof()).ok()?;
         let stages = Stages::new(self, plan).ok()?;
-        let first = stage_of(&stages, plan, stretches.first()?);
+        let first = stages.of(stretches.first()?.phase);
         let mut search = Search {
             scene: self,
             moment: Moment::new(self, first),
@@ -187,10 +187,10 @@ impl Scene {
             settled: f64::INFINITY,
         };
         for (index, stretch) in stretches.iter().enumerate() {
-            let stage = stage_of(&stages, plan, stretch);
+            let stage = stages.of(stretch.phase);
             search.moment.set(stage, stretch, stretch.start, stretch.end);
             for (pair, requirement) in stage.requirements.iter().enumerate() {
-                if requirement.required >= 0.0 && !requirement.fixed {
+                if requirement.contact.is_none() && !requirement.fixed {
                     let root = Candidate {
                         lower: f64::NEG_INFINITY,
                         pair,
@@ -216,7 +216,7 @@ impl Scene {
             }
             let half = middle(candidate.start, candidate.end);
             let stretch = &stretches[candidate.stretch];
-            let stage = stage_of(&stages, plan, stretch);
+            let stage = stages.of(stretch.phase);
             for (start, end) in [(candidate.start, half), (half, candidate.end)] {
                 search.moment.set(stage, stretch, start, end);
                 let child = Candidate { start, end, ..candidate };

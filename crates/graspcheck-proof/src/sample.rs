@@ -4,9 +4,8 @@ use graspcheck_model::{Pose, plan::Plan};
 use nalgebra::Vector3;
 
 use crate::{
-    certify::Stages,
     chain::Carrier,
-    contact::Stage,
+    contact::{Stage, Stages},
     displacement::Moment,
     gap::{FINEST_TOLERANCE, first_normal, gap, separation},
     scene::Scene,
@@ -61,7 +60,7 @@ impl Sampler<'_> {
         if q.len() != self.scene.robot.dof() {
             return None;
         }
-        let planned = self.stages.of(self.plan.phase_at(t).holding);
+        let planned = self.stages.of(self.plan.phase_index_at(t));
         let measured: Stage;
         let stage = match (world_from_object, self.scene.object_part) {
             (Some(pose), Some(part)) => {
@@ -76,7 +75,7 @@ impl Sampler<'_> {
         moment.set_still(stage, q, opening);
         let mut least: Option<f64> = None;
         for (index, requirement) in planned.requirements.iter().enumerate() {
-            if requirement.required < 0.0 || requirement.fixed {
+            if requirement.contact.is_some() || requirement.fixed {
                 continue;
             }
             let [a, b] = moment.placed(self.scene.pairs[index]);

@@ -7,7 +7,7 @@ use graspcheck_model::{
     robot::{Link, RobotModel},
     shape::{PlacedShape, Shape},
 };
-use nalgebra::Translation3;
+use nalgebra::{Translation3, Vector3};
 
 use crate::{
     chain::{Carrier, Mount, has_steady_axes},
@@ -27,6 +27,8 @@ pub struct Scene {
     pub(crate) object: Option<Object>,
     pub(crate) bodies: Vec<Body>,
     pub(crate) parts: Vec<Part>,
+    /// Gravity in the world frame, m/s².
+    pub(crate) cell_gravity: Vector3<f64>,
     /// Whether no joint of the arm turns the axis of another.
     pub(crate) steady_axes: bool,
     /// The object's only part.
@@ -110,6 +112,7 @@ impl Scene {
             object: object.cloned(),
             bodies: Vec::new(),
             parts: Vec::new(),
+            cell_gravity: cell.gravity,
             steady_axes: has_steady_axes(robot),
             object_part: None,
             pairs: Vec::new(),
@@ -256,22 +259,9 @@ impl Scene {
         }
     }
 
-    /// Why two bodies of the robot are never judged against each other, if they are not.
+    /// Why two bodies of the robot are never judged against each other, if they are not: the reason of their
+    /// allowed contact. Nothing else excuses a pair, not even a joint that they share.
     pub(crate) fn excuse(&self, a: usize, b: usize) -> Option<String> {
-        let (kind_a, kind_b) = (self.bodies[a].kind, self.bodies[b].kind);
-        let last = self.robot.dof() - 1;
-        let share_a_joint = |x, y| match (x, y) {
-            (Kind::Base, Kind::Link(0)) => Some(&self.robot.joints[0].name),
-            (Kind::Link(i), Kind::Link(j)) if j == i + 1 => Some(&self.robot.joints[j].name),
-            (Kind::Link(i), Kind::Finger(f)) if i == last => Some(&self.robot.gripper.fingers[f].joint),
-            _ => None,
-        };
-        if let Some(joint) = share_a_joint(kind_a, kind_b).or_else(|| share_a_joint(kind_b, kind_a)) {
-            return Some(format!("they share the joint {joint}"));
-        }
-        if matches!((kind_a, kind_b), (Kind::Finger(_), Kind::Finger(_))) {
-            return Some("the fingers are tied together and stop at each other".to_owned());
-        }
         let (name_a, name_b) = (&self.bodies[a].name, &self.bodies[b].name);
         let allowed = self.robot.allowed_contacts.iter().find(|contact| {
             (contact.a == *name_a && contact.b == *name_b) || (contact.a == *name_b && contact.b == *name_a)

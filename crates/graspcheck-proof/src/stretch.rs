@@ -110,7 +110,7 @@ pub(crate) fn stretches(plan: &Plan, dof: usize) -> Result<Vec<Stretch<'_>>, Str
     }
     let stretch = |pair: &[f64]| {
         let (start, end) = (pair[0], pair[1]);
-        let phase = plan.phases.partition_point(|phase| phase.start <= middle(start, end)).max(1) - 1;
+        let phase = plan.phase_index_at(middle(start, end));
         let arm = Coordinates::new(&plan.trajectory, start, end);
         let opening = Coordinates::new(&plan.opening, start, end);
         Stretch { start, end, phase, arm, opening }

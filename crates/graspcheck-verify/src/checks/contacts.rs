@@ -88,9 +88,9 @@ fn seen(contact: &ContactSample, rule: Option<&RequiredPair>) -> Option<(Gravity
     let allowed_depth = match rule {
         // Bodies of the robot that overlap by design.
         Some(RequiredPair { required: None, .. }) => return None,
-        Some(RequiredPair { required: Some(required), .. }) if *required < 0.0 => Some(-required),
-        // An ordinary pair, or bodies that nobody expected to meet.
-        Some(_) | None => None,
+        Some(RequiredPair { depth, .. }) => *depth,
+        // Bodies that nobody expected to meet.
+        None => None,
     };
     let (gravity, finding) = match allowed_depth {
         Some(limit) => {
