@@ -4,7 +4,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use graspcheck_motion::{MotionState, Polynomial, Trajectory, bernstein};
+use graspcheck_motion::{Interval, MotionBounds, MotionState, Polynomial, Trajectory, bernstein};
 
 /// A general quintic of one second: no root at an end.
 fn general() -> Polynomial {
@@ -62,5 +62,24 @@ fn proofs(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, evaluation, peaks, proofs);
+fn enclosures(criterion: &mut Criterion) {
+    let polynomial = general();
+    criterion.bench_function("enclosure of q v a j over a stretch", |bencher| {
+        bencher.iter(|| black_box(&polynomial).enclose(black_box(0.3), black_box(0.35)));
+    });
+    let (motion, mut bounds) = (motion(), MotionBounds::zeros(4));
+    criterion.bench_function("enclosure of 4 joints", |bencher| {
+        bencher.iter(|| {
+            motion.enclose_into(black_box(1.2), black_box(1.25), &mut bounds);
+            black_box(&bounds);
+        });
+    });
+    let (x, y) = (Interval::between(0.3, 0.4), Interval::between(-0.1, 0.2));
+    criterion.bench_function("interval product and sum", |bencher| {
+        bencher.iter(|| black_box(x) * black_box(y) + black_box(x));
+    });
+    criterion.bench_function("interval sine and cosine", |bencher| bencher.iter(|| black_box(x).sin_cos()));
+}
+
+criterion_group!(benches, evaluation, peaks, proofs, enclosures);
 criterion_main!(benches);

@@ -12,7 +12,13 @@
 //! for which the bound shall hold too, rounds each term at most 2(m + k) + 2 times. Together that is less
 //! than (2m + k + 3) ε Σ|cᵢ hⁱ| by one u, which is more than the terms of second order. Each halving adds at most m u
 //! times the largest coefficient bᵢ.
+//!
+//! On a stretch that begins at a ≠ 0, [`enclose`] first moves the local time by a. The Taylor shift rounds each
+//! of its terms at most 2n times, which is n ε times the derivative of order k of `Σ |cᵢ| τⁱ` at τ = |a| + h;
+//! call that M. The sums above are at most M too. Everything together is less than (3n + 3) ε M, and one ε M
+//! more covers terms of second order and the rounding of M itself.
 
+use crate::interval::Interval;
 use crate::polynomial::{MAX_DEGREE, Polynomial};
 
 /// The outcome of [`proves_within`].
@@ -62,6 +68,37 @@ pub fn bounds(polynomial: &Polynomial, order: usize, h: f64) -> [f64; 2] {
     with_form!(polynomial, order, h, form => {
         let [low, high] = form.hull();
         [low - form.slack, high + form.slack]
+    })
+}
+
+/// Bounds on position, velocity, acceleration and jerk over the local times from `a` to `b` (s, in whichever
+/// order): entry k belongs to the derivative of order k.
+///
+/// They hold for the exact values and for what [`Polynomial::eval`] computes there. On a short stretch they
+/// exceed the true range by a share that shrinks with its length: each bound is off by at most a constant
+/// times the square of the length, and by rounding. [`Interval::WHOLE`] where `a` or `b` is not finite or a
+/// product overflows.
+///
+/// ```
+/// use graspcheck_motion::{bernstein, Polynomial};
+/// let p = Polynomial::new([0.0, 0.0, 3.0, -2.0]); // 3τ² - 2τ³, velocity 6τ - 6τ²
+/// let [q, qd, _, qddd] = bernstein::enclose(&p, 0.4, 0.6);
+/// assert!(q.contains(0.352) && q.contains(0.648) && q.width() < 0.296 + 1e-12);
+/// assert!(qd.contains(1.5) && qd.upper() < 1.57); // the peak at 0.5 is inside
+/// assert!(qddd.contains(-12.0) && qddd.width() < 1e-12);
+/// ```
+#[must_use]
+pub fn enclose(polynomial: &Polynomial, a: f64, b: f64) -> [Interval; 4] {
+    let [from, to] = if a < b { [a, b] } else { [b, a] };
+    // At least the distance, also when that is rounded.
+    let h = (Interval::point(to) - Interval::point(from)).upper();
+    let degree = polynomial.degree();
+    let shifted = polynomial.shifted(from);
+    let magnitudes = polynomial.magnitudes().eval(from.abs() + h);
+    std::array::from_fn(|order| {
+        let [low, high] = with_form!(&shifted, order, h, form => form.hull());
+        let slack = (3 * degree + 4) as f64 * f64::EPSILON * magnitudes[order] + f64::MIN_POSITIVE;
+        Interval::between(low - slack, high + slack)
     })
 }
 

@@ -10,17 +10,32 @@
 //! Extrema are computed, not sampled, in two independent ways: exactly by the derivative chain
 //! ([`extrema`], [`peaks`]) and as rounding-safe bounds from Bernstein coefficients ([`bernstein`]).
 //!
-//! Reading order: [`polynomial`], [`trajectory`], [`continuity`], [`extrema`], [`peaks`], [`bernstein`].
+//! Proofs compute with sets instead of samples: an [`Interval`] encloses every value that a formula takes over
+//! a box, rounding included, and [`Trajectory::enclose`] says where a joint is throughout a stretch of time. A
+//! formula written over [`Scalar`] serves floats, intervals and, with [`Dual`], derivatives alike.
+//!
+//! Reading order: [`polynomial`], [`trajectory`], [`continuity`], [`extrema`], [`peaks`], [`bernstein`]; then
+//! [`interval`], [`scalar`], [`dual`], [`jet`], [`enclosure`].
 
 pub mod bernstein;
 pub mod continuity;
+pub mod dual;
+pub mod enclosure;
 pub mod extrema;
+pub mod interval;
+pub mod jet;
 pub mod peaks;
 pub mod polynomial;
+pub mod scalar;
 pub mod trajectory;
 
 pub use continuity::{Continuity, ContinuityClass, Jump};
+pub use dual::Dual;
+pub use enclosure::MotionBounds;
 pub use extrema::Extremum;
+pub use interval::{Interval, IntervalError};
+pub use jet::{Jet, Real, taylor_model};
 pub use peaks::Peak;
 pub use polynomial::Polynomial;
+pub use scalar::{Scalar, Signed};
 pub use trajectory::{Break, MotionState, Trajectory, TrajectoryError};

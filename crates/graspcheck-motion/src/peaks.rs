@@ -123,7 +123,7 @@ impl Trajectory {
     }
 
     /// The parts of a joint's pieces that lie between `t0` and `t1`.
-    fn stretches(&self, joint: usize, t0: f64, t1: f64) -> impl Iterator<Item = Stretch<'_>> {
+    pub(crate) fn stretches(&self, joint: usize, t0: f64, t1: f64) -> impl Iterator<Item = Stretch<'_>> {
         assert!(joint < self.dof(), "joint {joint} of {}", self.dof());
         assert!(
             0.0 <= t0 && t0 <= t1 && t1 <= self.duration(),
@@ -147,14 +147,14 @@ impl Trajectory {
 }
 
 /// A part of one piece of one joint.
-struct Stretch<'a> {
-    polynomial: &'a Polynomial,
+pub(crate) struct Stretch<'a> {
+    pub(crate) polynomial: &'a Polynomial,
     /// When the whole piece begins and ends, s.
     start: f64,
     end: f64,
     /// The part of it, local time, s.
-    from: f64,
-    to: f64,
+    pub(crate) from: f64,
+    pub(crate) to: f64,
 }
 
 impl Stretch<'_> {

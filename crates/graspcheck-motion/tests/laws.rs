@@ -1,7 +1,7 @@
 //! Laws of extrema, violations and bounds, held against dense sampling with local refinement.
 
 use graspcheck_motion::bernstein::{self, Proof};
-use graspcheck_motion::{Extremum, Polynomial, Trajectory};
+use graspcheck_motion::{Extremum, MotionBounds, Polynomial, Trajectory};
 use proptest::prelude::*;
 
 /// Terms of comparable size on `[0, h]`, and some of them missing.
@@ -138,6 +138,45 @@ proptest! {
     }
 
     #[test]
+    fn enclosures_hold_the_range_and_what_is_evaluated(
+        (p, h) in polynomial(), from in -0.3..0.9_f64, log_width in -6.0..0.0_f64,
+    ) {
+        let (a, width) = (from * h, 10.0_f64.powf(log_width) * (1.0 - from) * h);
+        let bounds = p.enclose(a, a + width);
+        prop_assert_eq!(bounds, p.enclose(a + width, a));
+        for (order, bound) in bounds.into_iter().enumerate() {
+            let [low, high] = p.range(order, a, a + width);
+            prop_assert!(bound.contains(low.value) && bound.contains(high.value), "{bound} {low:?} {high:?}");
+            for i in 0..=50 {
+                let value = p.eval(a + width * f64::from(i) / 50.0)[order];
+                prop_assert!(bound.contains(value), "order {order}: {bound} does not hold {value}");
+            }
+            // The excess is of second order: at most (n - 1)/2 · width² · max |second derivative|, halves of
+            // which go to each side, and some units of rounding.
+            let curvature = Polynomial::new(p.coefficients().map(f64::abs)).derivative_of_order(order + 2);
+            let second = curvature.eval(a.abs() + width)[0] * width * width;
+            let excess = bound.width() - (high.value - low.value);
+            let rounding = 60.0 * f64::EPSILON * magnitude(&p, order, h.max(a.abs() + width));
+            prop_assert!(excess <= 4.0 * second + rounding + 1e-300, "{excess} {second}");
+        }
+    }
+
+    #[test]
+    fn a_motion_is_enclosed_across_its_knots(
+        (p, h) in polynomial(), q in any_polynomial(), shares in (0.0..=1.0_f64, 0.0..=1.0_f64), at in 0.0..=1.0_f64,
+    ) {
+        let motion = Trajectory::new(1, vec![0.0, h, h + q.1], vec![p, q.0]).expect("valid");
+        let [t0, t1] = [shares.0.min(shares.1), shares.0.max(shares.1)].map(|share| share * motion.duration());
+        let t = (t0 + at * (t1 - t0)).clamp(t0, t1);
+        prop_assume!(t < t1 || t1 != h);
+        let mut bounds = MotionBounds::zeros(1);
+        motion.enclose_into(t0, t1, &mut bounds);
+        let state = motion.eval(t);
+        prop_assert!(bounds.q[0].contains(state.q[0]) && bounds.qd[0].contains(state.qd[0]));
+        prop_assert!(bounds.qdd[0].contains(state.qdd[0]) && bounds.qddd[0].contains(state.qddd[0]));
+    }
+
+    #[test]
     fn proofs_agree_with_extrema((p, h) in polynomial(), room in -0.5..0.5_f64) {
         for order in 0..4 {
             let [low, high] = p.range(order, 0.0, h);
@@ -209,6 +248,8 @@ proptest! {
             // Either an honest order or NaN, which no limit admits.
             prop_assert!(low.value <= high.value || (low.value.is_nan() && high.value.is_nan()));
             let _ = bernstein::bounds(&p, order, a);
+            let [q, ..] = p.enclose(a, b);
+            prop_assert!(q.lower() <= q.upper());
             let _ = bernstein::proves_within(&p, order, b, limits.0, limits.1);
         }
         if let Ok(motion) = Trajectory::new(1, vec![0.0, a], vec![p]) {
