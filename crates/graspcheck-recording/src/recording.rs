@@ -103,8 +103,7 @@ pub struct ContactSample {
     pub normal: [f64; 3],
 }
 
-/// Scalars for plots at one step. What does not apply is NaN-free: 0, or the largest finite sensible
-/// value named at the field.
+/// Scalars of one step, for plots, and the number of contacts that belong to it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MonitorSample {
     /// Time, ns.
@@ -130,8 +129,11 @@ pub struct MonitorSample {
     /// Measured opening of the gripper, m.
     pub opening_m: f64,
     /// Distance of the pair that is nearest to its required clearance, minus that requirement, at the
-    /// measured positions, m; for plots only, checks compute their own.
-    pub clearance_margin_m: f64,
+    /// measured positions, m; none at a step at which it was not computed. For plots only, checks compute
+    /// their own.
+    pub clearance_margin_m: Option<f64>,
+    /// How many rows of [`Recording::contacts`] this step has: a log that has lost some is found out.
+    pub contacts: u32,
 }
 
 /// A moving frame.

@@ -94,7 +94,7 @@ fn monitor(recording: &Recording) -> Result<(), RecordingError> {
         finite(NAME, row, "torque ratio", &[sample.torque_ratio])?;
         finite(NAME, row, "grip force", &[sample.grip_force_n])?;
         finite(NAME, row, "opening", &[sample.opening_m])?;
-        finite(NAME, row, "clearance margin", &[sample.clearance_margin_m])?;
+        finite(NAME, row, "clearance margin", sample.clearance_margin_m.as_slice())?;
     }
     Ok(())
 }

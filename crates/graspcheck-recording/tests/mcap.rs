@@ -118,7 +118,7 @@ fn forged(topic: &str, message_type: &str, data: &[u8], compression: Option<::mc
         .compression(compression)
         .create(io::Cursor::new(Vec::new()))
         .unwrap();
-    let mut layout = std::collections::BTreeMap::from([("schema".to_owned(), "1".to_owned())]);
+    let mut layout = std::collections::BTreeMap::from([("schema".to_owned(), "2".to_owned())]);
     for series in ["tool", "reference_tool", "object"] {
         for key in ["frame", "child"] {
             layout.insert(format!("{series}.{key}"), String::new());

@@ -144,7 +144,8 @@ fn monitor() -> impl Strategy<Value = Vec<MonitorSample>> {
             saturated_joints: counts[1],
             grip_force_n: values[6],
             opening_m: values[7],
-            clearance_margin_m: values[8],
+            clearance_margin_m: (counts[0] % 2 == 0).then_some(values[8]),
+            contacts: counts[0],
         };
         times.into_iter().map(sample).collect()
     })

@@ -31,7 +31,7 @@ pub(crate) fn log(stream: &RecordingStream, run: &Run) -> Result<(), RecordingSt
 
 /// Whether the recording says how far bodies are apart.
 pub(crate) fn has_clearance(run: &Run) -> bool {
-    run.recording.monitor.iter().any(|sample| sample.clearance_margin_m != 0.0)
+    run.recording.monitor.iter().any(|sample| sample.clearance_margin_m.is_some())
 }
 
 /// One entity a quantity, with one curve for each joint of the arm.
@@ -84,7 +84,9 @@ fn log_monitor(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStrea
         return Ok(());
     }
     let share = |entity, name, rgb, steps, value: fn(&MonitorSample) -> f64| {
-        log_curve(stream, run, entity, name, rgb, steps, &|sample| 100.0 * value(sample).min(MOST_SHARE))
+        log_curve(stream, run, entity, name, rgb, steps, &|sample| {
+            Some(100.0 * value(sample).min(MOST_SHARE))
+        })
     };
     share("plot/share/velocity", "velocity", PALETTE[0], false, |sample| sample.velocity_ratio)?;
     share("plot/share/acceleration", "acceleration", PALETTE[3], false, |sample| sample.acceleration_ratio)?;
@@ -94,30 +96,30 @@ fn log_monitor(stream: &RecordingStream, run: &Run) -> Result<(), RecordingStrea
 
     let limit = |names: &[&str]| run.verdict.and_then(|verdict| verdict.limit(names));
     log_curve(stream, run, "plot/tracking/tool", "tool", PALETTE[0], false, &|sample| {
-        1e3 * sample.tool_error_m
+        Some(1e3 * sample.tool_error_m)
     })?;
     if let Some(limit) = limit(&["executed.tracking"]) {
         log_limit(stream, run, "plot/tracking/limit", 1e3 * limit)?;
     }
     if has_clearance(run) {
-        let margins = run.recording.monitor.iter().map(|sample| sample.clearance_margin_m);
+        let margins = run.recording.monitor.iter().filter_map(|sample| sample.clearance_margin_m);
         let least = margins.fold(f64::INFINITY, f64::min);
         let required = limit(&["planned.clearance"]).unwrap_or(0.0);
         let most = (CLEARANCES_SHOWN * required.max(least)).max(CLEARANCE_SHOWN);
         log_curve(stream, run, "plot/clearance/margin", "room", PALETTE[0], false, &|sample| {
-            1e3 * sample.clearance_margin_m.min(most)
+            sample.clearance_margin_m.map(|margin| 1e3 * margin.min(most))
         })?;
         log_limit(stream, run, "plot/clearance/limit", 0.0)?;
     }
     log_curve(stream, run, "plot/gripper/opening", "opening [mm]", PALETTE[0], false, &|sample| {
-        1e3 * sample.opening_m
+        Some(1e3 * sample.opening_m)
     })?;
     log_curve(stream, run, "plot/gripper/force", "force [N]", PALETTE[5], false, &|sample| {
-        sample.grip_force_n
+        Some(sample.grip_force_n)
     })
 }
 
-/// One curve over all monitor samples.
+/// One curve over the monitor samples that have a value.
 fn log_curve(
     stream: &RecordingStream,
     run: &Run,
@@ -125,17 +127,19 @@ fn log_curve(
     name: &str,
     rgb: u32,
     steps: bool,
-    value: &dyn Fn(&MonitorSample) -> f64,
+    value: &dyn Fn(&MonitorSample) -> Option<f64>,
 ) -> Result<(), RecordingStreamError> {
     // A jerk holds until the next sample.
     let mode = if steps { InterpolationMode::StepAfter } else { InterpolationMode::Linear };
     let look = SeriesLines::new().with_names([name]).with_colors([color(rgb)]).with_interpolation_mode(mode);
     stream.log_static(entity, &look)?;
-    let samples = &run.recording.monitor;
+    let monitor = &run.recording.monitor;
+    let known = monitor.iter().filter_map(|sample| Some((sample.time_ns, value(sample)?)));
+    let (stamps, values): (Vec<i64>, Vec<f64>) = known.unzip();
     stream.send_columns(
         entity,
-        [times(samples.iter().map(|sample| sample.time_ns))],
-        Scalars::update_fields().with_scalars(samples.iter().map(value)).columns_of_unit_batches()?,
+        [times(stamps)],
+        Scalars::update_fields().with_scalars(values).columns_of_unit_batches()?,
     )
 }
 

@@ -41,6 +41,29 @@ pub enum SimError {
         /// Joints of the opening.
         count: usize,
     },
+    /// The plan opens the gripper farther than it can or closes it beyond touching.
+    #[error("plan: opening {opening} m at t = {time} s is not within 0 m and the gripper's {opening_max} m")]
+    Opening {
+        /// What is commanded, m.
+        opening: f64,
+        /// Largest opening, m.
+        opening_max: f64,
+        /// When, s.
+        time: f64,
+    },
+    /// The plan moves the fingers faster than they can.
+    #[error(
+        "plan: finger speed {speed} m/s exceeds the gripper's {speed_max} m/s at t = {time} s; \
+         give the fingers more time"
+    )]
+    FingerSpeed {
+        /// Speed of one finger, m/s.
+        speed: f64,
+        /// The limit, m/s.
+        speed_max: f64,
+        /// When, s.
+        time: f64,
+    },
     /// The plan has no phase.
     #[error("plan: no phase; a plan needs at least one")]
     NoPhase,
@@ -68,6 +91,17 @@ pub enum SimError {
     Chain {
         /// Name of the link.
         link: String,
+    },
+    /// Too many bodies of the robot may touch others.
+    #[error(
+        "robot: {count} bodies are named in allowed contacts, at most {limit} can be; merge links that do not \
+         move against each other"
+    )]
+    AllowedBodies {
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        limit: usize,
     },
     /// The rapier multibody does not move as the model says.
     #[error(
@@ -120,9 +154,26 @@ pub enum SimError {
     /// Rapier has taken bodies out of the simulation because their state was not finite.
     #[error("body {body}: taken out of the physics at t = {time} s because its state is not finite")]
     Quarantined {
-        /// Name of the first such body.
+        /// Name of the first such body, or its number when it is none of the scene.
         body: String,
         /// When, s.
+        time: f64,
+    },
+    /// Two bodies moved so far in one step that they could have passed through each other.
+    #[error(
+        "body {a}: moves by {moved} m against {b} in the step before t = {time} s, and together they are \
+         {thickness} m thick, so a collision could be missed; use a shorter dt"
+    )]
+    StepTooLong {
+        /// Name of one body.
+        a: String,
+        /// Name of the other.
+        b: String,
+        /// At most by how much they moved against each other, m.
+        moved: f64,
+        /// Least width of one plus that of the other, m.
+        thickness: f64,
+        /// End of the step, s.
         time: f64,
     },
     /// A body that must move was put to sleep.

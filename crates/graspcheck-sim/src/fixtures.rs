@@ -7,7 +7,7 @@ use graspcheck_model::{
     inertia::Inertial,
     object::Object,
     plan::{Grasp, Holding, Phase, Plan},
-    robot::{Family, Finger, Gripper, Joint, JointKind, JointLimits, Link, RobotModel},
+    robot::{AllowedContact, Family, Finger, Gripper, Joint, JointKind, JointLimits, Link, RobotModel},
     shape::{PlacedShape, Shape},
 };
 use graspcheck_motion::{Polynomial, Trajectory};
@@ -68,6 +68,21 @@ fn gripper(link_from_tool: Pose, finger_mass: f64) -> Gripper {
     }
 }
 
+/// The pairs that a joint connects, and the two fingers, each of which may touch.
+fn connected(links: &[&str]) -> Vec<AllowedContact> {
+    let contact = |a: &str, b: &str, reason: &str| AllowedContact {
+        a: a.to_owned(),
+        b: b.to_owned(),
+        reason: reason.to_owned(),
+    };
+    let hand = links[links.len() - 1];
+    let mut contacts: Vec<AllowedContact> =
+        links.windows(2).map(|pair| contact(pair[0], pair[1], "a joint connects them")).collect();
+    contacts.extend(["finger_left", "finger_right"].map(|finger| contact(hand, finger, "it slides along")));
+    contacts.push(contact("finger_left", "finger_right", "the pads meet on nothing"));
+    contacts
+}
+
 /// A SCARA of 0.25 m + 0.20 m, its axis 1 at 0.4 m height, its tool pointing down.
 pub(crate) fn scara() -> RobotModel {
     let mut wrist = joint(
@@ -113,7 +128,7 @@ pub(crate) fn scara() -> RobotModel {
         ],
         link_from_tool,
         gripper: gripper(link_from_tool, 0.05),
-        allowed_contacts: Vec::new(),
+        allowed_contacts: connected(&["column", "upper_arm", "forearm", "spindle", "hand"]),
     }
 }
 
@@ -137,7 +152,7 @@ pub(crate) fn rrr() -> RobotModel {
         ],
         link_from_tool,
         gripper: gripper(link_from_tool, 0.05),
-        allowed_contacts: Vec::new(),
+        allowed_contacts: connected(&["pillar", "link1", "link2", "link3"]),
     }
 }
 

@@ -3,6 +3,10 @@
 //! While the plan closes and holds, it commands an opening *below* the object's width. The object stops the
 //! fingers, the motors push at their force limit, and that limit is the grasp's force: each pad presses
 //! with it whatever the object's true width.
+//!
+//! A plan that asks for more than the fingers' speed or opening is refused before the run. What is cut off
+//! here is the *correction* of an error: fingers that are held back close it at their own speed. How far
+//! they are from the commanded opening is judged by a check.
 
 use graspcheck_model::{
     plan::{Grasp, Holding},

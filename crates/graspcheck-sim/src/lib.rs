@@ -12,14 +12,15 @@
 //! What a row of the recording means: row k is the state at `t = k·dt`, *before* step k, with the efforts
 //! that act during that step and the contact forces that the step needed. Times are integer nanoseconds.
 //!
-//! Contacts between bodies of the robot are switched off: the proof of the plan covers those pairs, and a
-//! serial arm whose neighbouring links overlap at their joints would otherwise push itself apart.
+//! Bodies of the robot touch each other as they touch everything else, and that is recorded. Only pairs in
+//! the robot's allowed contacts pass through each other: links that overlap at their joint would otherwise
+//! push themselves apart.
 //!
 //! Frames: W world, B base, L links, T tool, O object. Symbols: `q`, `qd`, `qdd` joint positions,
 //! velocities, accelerations (rad or m). In arrays of joints the arm comes first, then the two fingers.
 //!
 //! Reading order: [`error`], then the private modules `plant` (robot, cell and object as rapier bodies),
-//! `self_test`, `controller`, `gripper`, `contacts`, `recorder`, `run`.
+//! `self_test`, `controller`, `gripper`, `contacts`, `stride`, `recorder`, `run`.
 
 mod arc;
 mod clock;
@@ -34,6 +35,7 @@ mod plant;
 mod recorder;
 mod run;
 mod self_test;
+mod stride;
 mod tool;
 
 #[cfg(doc)]

@@ -8,6 +8,9 @@
 //! properties that are only computed at the first step, sleeping, contacts predicted at 2 cm and solved as
 //! springs of 30 Hz, contacts that are not computed again until a body has moved by 5 cm, and continuous
 //! collision detection, which moves bodies back in time.
+//!
+//! Bodies of the robot touch each other like everything else, but for the pairs that the robot allows: the
+//! same pairs that the proof excuses, and no others.
 
 use graspcheck_model::{
     Pose,
@@ -24,7 +27,10 @@ use rapier3d::{
         GenericJointBuilder, JointAxesMask, JointAxis, MassProperties, MotorModel, Multibody,
         MultibodyDofCoupling, MultibodyJointHandle, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
     },
-    geometry::{ColliderBuilder, ContactPair, SharedShape},
+    geometry::{
+        ColliderBuilder, ContactPair, ConvexPolyhedron, Group, InteractionGroups, InteractionTestMode,
+        SharedShape,
+    },
     math::{Pose as RapierPose, Vector},
     pipeline::{ActiveHooks, PhysicsHooks, PhysicsWorld},
 };
@@ -46,6 +52,10 @@ const SWEEPS_IN_GRASP: usize = 10;
 /// The same while they do not: what then touches is an object that stands.
 const SWEEPS_ELSE: usize = 1;
 
+/// How many bodies of the robot can have a collision group of their own: rapier has 32, and one is left for
+/// all that need none.
+const OWN_GROUPS: usize = 31;
+
 /// The rapier world of a run.
 pub(crate) struct Plant {
     world: PhysicsWorld,
@@ -56,8 +66,18 @@ pub(crate) struct Plant {
     /// Bodies of the robot (base, links, fingers), the object, the cell; their colliders carry the index.
     bodies: Vec<RigidBodyHandle>,
     names: Vec<String>,
+    sizes: Vec<Size>,
     /// Index of the object among the bodies.
     object: Option<usize>,
+}
+
+/// How large a body is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Size {
+    /// Largest distance of a point of it from its frame's origin, m, or more.
+    pub(crate) reach: f64,
+    /// Least width of its thinnest solid, m; infinite without a solid.
+    pub(crate) thickness: f64,
 }
 
 /// How a plant is built.
@@ -82,6 +102,7 @@ impl Plant {
         settings: &PlantSettings<'_>,
     ) -> Result<Self, SimError> {
         let mut builder = Builder::new(cell.gravity, settings);
+        builder.groups = collision_groups(robot)?;
         let base = builder.add_fixed(&robot.base.name, &robot.base.shapes, &robot.world_from_base)?;
         let arm = builder.add_arm(robot, base)?;
         let object = object.map(|object| builder.add_object(object)).transpose()?;
@@ -91,8 +112,15 @@ impl Plant {
         }
         let kinds =
             robot.joints.iter().map(|joint| joint.kind).chain([JointKind::Prismatic; FINGERS]).collect();
-        let mut plant =
-            Self { world: builder.world, arm, kinds, bodies: builder.bodies, names: builder.names, object };
+        let mut plant = Self {
+            world: builder.world,
+            arm,
+            kinds,
+            bodies: builder.bodies,
+            names: builder.names,
+            sizes: builder.sizes,
+            object,
+        };
         plant.settle_multibody(robot);
         Ok(plant)
     }
@@ -105,7 +133,6 @@ impl Plant {
         }
         let (multibody, _) =
             world.multibody_joints.get_mut(self.arm).expect("the joint was inserted by the constructor");
-        multibody.set_self_contacts_enabled(false);
         // Until the first forward kinematics the fixed base still counts six degrees of freedom.
         multibody.forward_kinematics(&world.bodies, true);
         multibody.damping_mut().fill(0.0);
@@ -135,6 +162,23 @@ impl Plant {
     /// The names of all bodies: base, links, fingers, then the object if there is one, then the cell.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
+    }
+
+    /// The sizes of all bodies.
+    pub(crate) fn sizes(&self) -> &[Size] {
+        &self.sizes
+    }
+
+    /// Whether two bodies are held against each other: they have solids, one of them can move, and they are
+    /// not an allowed pair of the robot.
+    pub(crate) fn are_held_against_each_other(&self, a: usize, b: usize) -> bool {
+        let bodies = [a, b].map(|body| &self.world.bodies[self.bodies[body]]);
+        let [Some(in_a), Some(in_b)] = bodies.map(|body| {
+            body.colliders().first().map(|first| self.world.colliders[*first].collision_groups())
+        }) else {
+            return false;
+        };
+        bodies.iter().any(|body| body.is_dynamic()) && in_a.test(in_b)
     }
 
     /// The index of the object among the bodies.
@@ -280,11 +324,25 @@ impl Plant {
         (collider.user_data as usize, convert::from_rapier(body_from_collider))
     }
 
-    /// The name of a body that rapier took out of the simulation in the last step.
-    pub(crate) fn quarantined(&self) -> Option<&str> {
-        let handle = self.world.quarantine().bodies().first()?;
-        let index = self.bodies.iter().position(|body| body == handle)?;
-        Some(&self.names[index])
+    /// The name of a body that rapier took out of the simulation in the last step; of one that this plant
+    /// does not know, rapier's number.
+    pub(crate) fn quarantined(&self) -> Option<String> {
+        let quarantine = self.world.quarantine();
+        if quarantine.is_empty() {
+            return None;
+        }
+        let of_collider = |handle| self.world.colliders.get(handle).and_then(|collider| collider.parent());
+        let body = quarantine
+            .bodies()
+            .first()
+            .copied()
+            .or_else(|| quarantine.colliders().first().and_then(|collider| of_collider(*collider)));
+        let known = body.and_then(|body| self.bodies.iter().position(|handle| *handle == body));
+        Some(match (known, body) {
+            (Some(index), _) => self.names[index].clone(),
+            (None, Some(body)) => format!("number {}", body.into_raw_parts().0),
+            (None, None) => "unknown".to_owned(),
+        })
     }
 
     /// The name of a body of robot or object that sleeps.
@@ -336,7 +394,10 @@ struct Builder {
     world: PhysicsWorld,
     bodies: Vec<RigidBodyHandle>,
     names: Vec<String>,
+    sizes: Vec<Size>,
     friction: f64,
+    /// What the bodies of the robot touch, which are added first; all others touch everything.
+    groups: Vec<InteractionGroups>,
 }
 
 impl Builder {
@@ -354,10 +415,18 @@ impl Builder {
         parameters.contact_recycling = false;
         // Clusters keep impulses away from the points that carry them.
         parameters.contact_clustering = false;
-        // Continuous collision detection would set bodies back in time: at 1 kHz and a few m/s nothing
-        // tunnels through bodies of millimetres.
+        // Continuous collision detection would set bodies back in time. Without it contacts are found where
+        // bodies stand at the beginning of a step: `Stride` gives a run up in which a body moves so far in
+        // one step that it could go through another.
         parameters.max_ccd_substeps = 0;
-        Self { world, bodies: Vec::new(), names: Vec::new(), friction: settings.contact.friction }
+        Self {
+            world,
+            bodies: Vec::new(),
+            names: Vec::new(),
+            sizes: Vec::new(),
+            friction: settings.contact.friction,
+            groups: Vec::new(),
+        }
     }
 
     fn add_body(
@@ -368,21 +437,28 @@ impl Builder {
         body: RigidBodyBuilder,
     ) -> Result<RigidBodyHandle, SimError> {
         let index = self.bodies.len();
+        let groups = self.groups.get(index).copied().unwrap_or(InteractionGroups::all());
         let handle = self.world.insert_body(body);
+        let mut size = Size { reach: 0.0, thickness: f64::INFINITY };
         for placed in shapes {
             let (body_from_shape, shape) = rapier_shape(name, placed)?;
+            let offset = placed.body_from_shape.translation.vector.norm();
+            size.reach = size.reach.max(offset + placed.shape.extent_radius());
+            size.thickness = size.thickness.min(thickness(&placed.shape, &shape));
             let body_from_collider = convert::to_rapier(&body_from_shape);
             let collider = ColliderBuilder::new(shape)
                 .position(body_from_collider)
                 .mass_properties(massless(&body_from_collider))
                 .friction(friction)
                 .restitution(0.0)
+                .collision_groups(groups)
                 .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
                 .user_data(index as u128);
             self.world.insert_collider(collider, Some(handle));
         }
         self.bodies.push(handle);
         self.names.push(name.to_owned());
+        self.sizes.push(size);
         Ok(handle)
     }
 
@@ -453,8 +529,7 @@ impl Builder {
         let mut builder = GenericJointBuilder::new(locked)
             .local_frame1(convert::to_rapier(&(joint.parent_from_joint * joint_from_axis)))
             .local_frame2(convert::to_rapier(&joint_from_axis))
-            .motor_model(free, MotorModel::ForceBased)
-            .contacts_enabled(false);
+            .motor_model(free, MotorModel::ForceBased);
         if joint.position_limits.iter().all(|limit| limit.is_finite()) {
             builder = builder.limits(free, joint.position_limits);
         }
@@ -464,6 +539,42 @@ impl Builder {
             .ok_or_else(|| SimError::Chain { link: link.name.clone() })?;
         Ok((body, handle))
     }
+}
+
+/// What each body of the robot touches, in the order base, links, fingers: everything but the bodies that
+/// it is allowed to pass through.
+///
+/// Two bodies touch when the filter of each holds a group of the other. A body that is named in an allowed
+/// contact has one group, its own, so that exactly the allowed pairs are dropped.
+///
+/// # Errors
+/// When there are more such bodies than groups.
+fn collision_groups(robot: &RobotModel) -> Result<Vec<InteractionGroups>, SimError> {
+    let links = std::iter::once(&robot.base).chain(&robot.links);
+    let fingers = robot.gripper.fingers.iter().map(|finger| &finger.link);
+    let names: Vec<&str> = links.chain(fingers).map(|link| link.name.as_str()).collect();
+    let pairs: Vec<[&str; 2]> =
+        robot.allowed_contacts.iter().map(|pair| [pair.a.as_str(), pair.b.as_str()]).collect();
+    let named: Vec<&str> =
+        names.iter().copied().filter(|name| pairs.iter().any(|pair| pair.contains(name))).collect();
+    if named.len() > OWN_GROUPS {
+        return Err(SimError::AllowedBodies { count: named.len(), limit: OWN_GROUPS });
+    }
+    let own = |name: &str| {
+        let index = named.iter().position(|other| *other == name)?;
+        Some(Group::from_bits_retain(1 << index))
+    };
+    let groups = names.iter().map(|name| {
+        let Some(group) = own(name) else { return InteractionGroups::all() };
+        let partners = pairs.iter().filter_map(|[a, b]| match name {
+            _ if a == name => own(b),
+            _ if b == name => own(a),
+            _ => None,
+        });
+        let filter = partners.fold(Group::ALL, |filter, partner| filter.difference(partner));
+        InteractionGroups::new(group, filter, InteractionTestMode::And)
+    });
+    Ok(groups.collect())
 }
 
 /// A body that moves and never sleeps: rapier would freeze slow motion.
@@ -535,6 +646,45 @@ fn rapier_shape(body: &str, placed: &PlacedShape) -> Result<(Pose, SharedShape),
     })
 }
 
+/// The least width of a solid, m: the least distance of two parallel planes that hold it.
+fn thickness(shape: &Shape, built: &SharedShape) -> f64 {
+    match shape {
+        Shape::Box { half_extents } => 2.0 * half_extents.min(),
+        Shape::Sphere { radius } | Shape::Capsule { radius, .. } => 2.0 * radius,
+        Shape::Cylinder { radius, half_length } => 2.0 * radius.min(*half_length),
+        Shape::Hull { .. } => {
+            let hull = built.as_convex_polyhedron().expect("a hull is built as a polyhedron");
+            hull_thickness(hull)
+        }
+    }
+}
+
+/// The least width of a polyhedron. It is taken along the normal of a face or along a line that is
+/// perpendicular to two edges (Houle and Toussaint, Computing the width of a set, 1988).
+fn hull_thickness(hull: &ConvexPolyhedron) -> f64 {
+    let points = hull.points();
+    let edges: Vec<Vector> = hull
+        .edges()
+        .iter()
+        .map(|edge| points[edge.vertices[1] as usize] - points[edge.vertices[0] as usize])
+        .collect();
+    let between_edges = edges
+        .iter()
+        .enumerate()
+        .flat_map(|(index, edge)| edges[..index].iter().map(move |other| edge.cross(*other)))
+        .filter_map(|normal| normal.try_normalize());
+    let normals = hull.faces().iter().map(|face| face.normal).chain(between_edges);
+    normals
+        .map(|normal| {
+            let heights = points.iter().map(|point| normal.dot(*point));
+            let [low, high] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
+                [low.min(height), high.max(height)]
+            });
+            high - low
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -568,6 +718,65 @@ mod tests {
                 assert!(off.rotation.angle() < 1e-7, "{name}");
             }
         }
+    }
+
+    /// The pairs of bodies of the robot whose colliders rapier holds against each other.
+    fn held_against_each_other(robot: &RobotModel) -> Vec<[String; 2]> {
+        let plant = plant(robot, fixtures::GRAVITY, 1e-3, 1);
+        let groups = |body: usize| {
+            let collider = plant.world.bodies[plant.bodies[body]].colliders()[0];
+            plant.world.colliders[collider].collision_groups()
+        };
+        let count = plant.names().len();
+        (0..count)
+            .flat_map(|a| (a + 1..count).map(move |b| (a, b)))
+            .filter(|&(a, b)| groups(a).test(groups(b)))
+            .map(|(a, b)| [a, b].map(|body| plant.names()[body].clone()))
+            .collect()
+    }
+
+    #[test]
+    fn exactly_the_allowed_pairs_pass_through_each_other() {
+        let mut robot = fixtures::scara();
+        let bodies = robot.dof() + 1 + FINGERS;
+        let all = held_against_each_other(&robot);
+        let dropped: Vec<[&str; 2]> =
+            robot.allowed_contacts.iter().map(|pair| [pair.a.as_str(), pair.b.as_str()]).collect();
+        assert_eq!(all.len() + dropped.len(), bodies * (bodies - 1) / 2);
+        for [a, b] in &all {
+            assert!(!dropped.iter().any(|pair| pair.contains(&a.as_str()) && pair.contains(&b.as_str())));
+        }
+        robot.allowed_contacts.clear();
+        assert_eq!(held_against_each_other(&robot).len(), bodies * (bodies - 1) / 2);
+    }
+
+    #[test]
+    fn a_collider_or_body_that_rapier_takes_out_is_found_whoever_owns_it() {
+        let mut plant = plant(&fixtures::scara(), fixtures::GRAVITY, 1e-3, 1);
+        plant.step(&());
+        assert_eq!(plant.quarantined(), None);
+        // A body that the plant has not added itself.
+        let body = RigidBodyBuilder::dynamic().additional_mass(1.0).linvel(Vector::new(f64::NAN, 0.0, 0.0));
+        plant.world.insert_body(body);
+        plant.step(&());
+        assert!(plant.quarantined().is_some_and(|name| name.starts_with("number ")));
+    }
+
+    #[test]
+    fn the_least_width_of_a_hull_is_between_faces_or_between_edges() {
+        let width = |points: Vec<[f64; 3]>| {
+            let points: Vec<Vector> = points.into_iter().map(|[x, y, z]| Vector::new(x, y, z)).collect();
+            hull_thickness(SharedShape::convex_hull(&points).unwrap().as_convex_polyhedron().unwrap())
+        };
+        let ends = [-1.0, 1.0];
+        // A box that is turned about two axes.
+        let turn = UnitQuaternion::from_euler_angles(0.4, 0.7, 0.0);
+        let corners = ends.iter().flat_map(|x| ends.iter().flat_map(move |y| ends.map(|z| [*x, *y, z])));
+        let plate = corners.map(|[x, y, z]| (turn * Vector3::new(0.3 * x, 0.005 * y, 0.2 * z)).into());
+        assert!((width(plate.collect()) - 0.01).abs() < 1e-12);
+        // A regular tetrahedron with edges of 2 √2: the distance of two opposite edges is 2, its height 2.31.
+        let tetrahedron = vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+        assert!((width(tetrahedron) - 2.0).abs() < 1e-12);
     }
 
     #[test]

@@ -57,14 +57,12 @@ pub(crate) struct Recorder<'a> {
     frame_stride: usize,
     world_from_link: Vec<Pose>,
     clearance: Option<Sampler<'a>>,
-    /// The margin when a frame was last recorded, m.
-    clearance_margin: f64,
     recording: Recording,
 }
 
 impl<'a> Recorder<'a> {
     /// An empty recording with room for `rows` rows and the events of all phases. Without `clearance` the
-    /// margin in the monitor is 0.
+    /// monitor has no margin.
     pub(crate) fn new(
         robot: &'a RobotModel,
         plan: &'a Plan,
@@ -113,7 +111,6 @@ impl<'a> Recorder<'a> {
             frame_stride,
             world_from_link: vec![Pose::identity(); robot.dof()],
             clearance,
-            clearance_margin: 0.0,
             recording,
         }
     }
@@ -157,14 +154,16 @@ impl<'a> Recorder<'a> {
         let names = &self.names;
         let rows = sample.contacts.rows().iter();
         self.recording.contacts.extend(rows.map(|contact| contact_sample(names, time_ns, contact)));
+        // The margin is computed as often as frames are recorded: it costs as much as a step of the physics.
+        let mut clearance_margin_m = None;
         if sample.step.is_multiple_of(self.frame_stride) {
             self.push_frames(sample, time_ns, &tool);
-            self.update_clearance(sample);
+            clearance_margin_m = self.clearance_margin(sample);
         }
 
         let monitor = MonitorSample {
             time_ns,
-            phase: self.phase_index(sample.step) as u32,
+            phase: self.plan.phase_index_at(self.clock.seconds(sample.step)) as u32,
             tool_error_m: (tool.translation.vector - reference_tool.translation.vector).norm(),
             tool_error_rad: tool.rotation.angle_to(&reference_tool.rotation),
             velocity_ratio: self.ratio(&sample.reference.qd, |limits| limits.velocity),
@@ -174,7 +173,8 @@ impl<'a> Recorder<'a> {
             saturated_joints: sample.controller.saturated(),
             grip_force_n: f64::min(pad_forces[0], pad_forces[1]),
             opening_m: sample.q[dof..].iter().sum(),
-            clearance_margin_m: self.clearance_margin,
+            clearance_margin_m,
+            contacts: sample.contacts.rows().len() as u32,
         };
         self.recording.monitor.push(monitor);
     }
@@ -215,24 +215,18 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Computes the margin as often as frames are recorded: it costs as much as a step of the physics.
-    fn update_clearance(&mut self, sample: &Sample<'_>) {
-        let Some(sampler) = &mut self.clearance else { return };
+    /// The least distance minus required distance where everything stands, m.
+    fn clearance_margin(&mut self, sample: &Sample<'_>) -> Option<f64> {
+        let sampler = self.clearance.as_mut()?;
         let (arm, fingers) = sample.q.split_at(self.robot.dof());
         let world_from_object = self.object.map(|index| &sample.world_from_body[index]);
         let time = self.clock.seconds(sample.step).min(self.plan.duration());
-        let margin = sampler.margin(time, arm, fingers.iter().sum(), world_from_object);
-        self.clearance_margin = margin.unwrap_or(0.0);
+        sampler.margin(time, arm, fingers.iter().sum(), world_from_object)
     }
 
     /// The normal force between each finger and the object, N.
     fn pad_forces(&self, contacts: &Contacts) -> [f64; FINGERS] {
         self.fingers.map(|finger| self.object.map_or(0.0, |object| contacts.force_between(finger, object)))
-    }
-
-    fn phase_index(&self, step: usize) -> usize {
-        let time = self.clock.seconds(step);
-        self.plan.phases.partition_point(|phase| phase.start <= time).max(1) - 1
     }
 
     /// The largest |value| / limit over the joints of the arm.

@@ -22,11 +22,17 @@ use crate::{
     plant::{Plant, PlantSettings},
     recorder::{Recorder, Sample},
     self_test,
+    stride::{Stride, TooFar},
 };
 
 /// How deep the object may overlap something at the start, m. It may stand on a table without a gap, and
 /// rapier's distance between curved shapes is uncertain by 3e-5 m.
 pub const START_DEPTH_MAX: f64 = 5e-5;
+
+/// How far a commanded opening may be beyond what the gripper can, m, and a speed, as a share: a motion
+/// planned to reach a limit comes out within rounding of it.
+const OPENING_ROUNDING: f64 = 1e-9;
+const SPEED_ROUNDING: f64 = 1e-9;
 
 /// How many steps pass between two reports of progress.
 const PROGRESS_STRIDE: usize = 100;
@@ -68,6 +74,8 @@ pub fn simulate(
 
     let mut contacts = Contacts::new(plant.names());
     let mut world_from_body = vec![Pose::identity(); plant.names().len()];
+    plant.read_poses(&mut world_from_body);
+    let mut stride = Stride::new(&plant, &world_from_body);
     refuse_penetration(&mut plant, &mut contacts, &mut world_from_body, clock)?;
 
     let load = held_object(robot, object, plan);
@@ -84,6 +92,7 @@ pub fn simulate(
         plant.read_poses(&mut world_from_body);
         let object_twist = plant.object_twist();
         refuse_not_finite(robot, &plant, &q, &qd, &world_from_body, time)?;
+        refuse_too_far(&mut stride, &plant, &world_from_body, time)?;
 
         let holding = plan.phase_at(time).holding;
         let measured_opening = q[dof..].iter().sum();
@@ -155,6 +164,7 @@ fn validate(
     if plan.opening.dof() != 1 {
         return Err(SimError::OpeningJoints { count: plan.opening.dof() });
     }
+    fingers_can_follow(robot, plan)?;
     if plan.phases.is_empty() {
         return Err(SimError::NoPhase);
     }
@@ -162,6 +172,27 @@ fn validate(
         return Err(SimError::GraspWithoutObject { handle: grasp.handle.clone() });
     }
     Ok(clock)
+}
+
+/// Checks the commanded opening at every instant: what it asks for beyond the gripper would be cut off.
+fn fingers_can_follow(robot: &RobotModel, plan: &Plan) -> Result<(), SimError> {
+    let (opening, gripper) = (&plan.opening, &robot.gripper);
+    for extreme in opening.range_in(0, 0, 0.0, opening.duration()) {
+        let beyond = (-extreme.value).max(extreme.value - gripper.opening_max);
+        if beyond.is_nan() || beyond > OPENING_ROUNDING {
+            return Err(SimError::Opening {
+                opening: extreme.value,
+                opening_max: gripper.opening_max,
+                time: extreme.time,
+            });
+        }
+    }
+    let fastest = opening.peak(0, 1);
+    let (speed, speed_max) = (fastest.value.abs() / 2.0, gripper.finger_speed);
+    if speed.is_nan() || speed > speed_max * (1.0 + SPEED_ROUNDING) {
+        return Err(SimError::FingerSpeed { speed, speed_max, time: fastest.time });
+    }
+    Ok(())
 }
 
 /// The values of the arm's joints, followed by the same value for both fingers.
@@ -234,9 +265,24 @@ fn refuse_not_finite(
     Ok(())
 }
 
+fn refuse_too_far(
+    stride: &mut Stride,
+    plant: &Plant,
+    world_from_body: &[Pose],
+    time: f64,
+) -> Result<(), SimError> {
+    match stride.advance(world_from_body) {
+        None => Ok(()),
+        Some(TooFar { a, b, moved, thickness }) => {
+            let [a, b] = [a, b].map(|body| plant.names()[body].clone());
+            Err(SimError::StepTooLong { a, b, moved, thickness, time })
+        }
+    }
+}
+
 fn refuse_broken(plant: &Plant, time: f64) -> Result<(), SimError> {
     if let Some(body) = plant.quarantined() {
-        return Err(SimError::Quarantined { body: body.to_owned(), time });
+        return Err(SimError::Quarantined { body, time });
     }
     if let Some(body) = plant.asleep() {
         return Err(SimError::Asleep { body: body.to_owned(), time });
@@ -249,7 +295,7 @@ mod tests {
     use super::*;
     use crate::fixtures::{self, Lift};
     use graspcheck_model::{plan::Phase, shape::Shape};
-    use graspcheck_recording::Level;
+    use graspcheck_recording::{ContactSample, Level};
     use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
     fn run(robot: &RobotModel, gravity: Vector3<f64>, plan: &Plan, execution: &Execution) -> Recording {
@@ -535,6 +581,87 @@ mod tests {
         assert_eq!(recording.measured.len(), 1201);
     }
 
+    /// The planar arm with its hand folded back beside its upper arm; it then turns the hand into it.
+    fn folding_arm() -> (RobotModel, Plan) {
+        let start = [0.0, 2.9, 0.8];
+        (fixtures::rrr(), fixtures::move_plan(&start, &[(2.0, vec![0.0, 2.9, 1.8])]))
+    }
+
+    #[test]
+    fn an_arm_that_touches_itself_is_recorded() {
+        let (mut robot, plan) = folding_arm();
+        let recording = run(&robot, fixtures::GRAVITY, &plan, &fixtures::execution());
+        let touch = |recording: &Recording| {
+            let on_itself = |row: &&ContactSample| row.body_a.contains("finger") && row.body_b == "link1";
+            recording.contacts.iter().find(on_itself).map(|row| (row.time_ns, row.normal_force_n))
+        };
+        let (time_ns, force) = touch(&recording).expect("the fingers meet the upper arm");
+        assert!(force > 0.01 && (500_000_000..2_000_000_000).contains(&time_ns), "{force} N at {time_ns} ns");
+        // Bodies that may pass through each other do: no other pair of the arm is found.
+        assert!(recording.contacts.iter().all(|row| row.body_b == "link1" || row.body_a == "link1"));
+        for finger in ["finger_left", "finger_right", "link3"] {
+            robot.allowed_contacts.push(graspcheck_model::robot::AllowedContact {
+                a: "link1".to_owned(),
+                b: finger.to_owned(),
+                reason: "for the test".to_owned(),
+            });
+        }
+        let recording = run(&robot, fixtures::GRAVITY, &plan, &fixtures::execution());
+        assert_eq!(recording.contacts, []);
+    }
+
+    #[test]
+    fn the_monitor_counts_the_contacts_of_its_step() {
+        let recording = run_lift(&fixtures::lift(10.0), &fixtures::execution()).unwrap();
+        for row in &recording.monitor {
+            let there = recording.contacts.iter().filter(|contact| contact.time_ns == row.time_ns).count();
+            assert_eq!(row.contacts as usize, there, "at {} ns", row.time_ns);
+        }
+    }
+
+    #[test]
+    fn a_body_that_could_pass_through_another_in_one_step_ends_the_run() {
+        let robot = fixtures::rrr();
+        let mut cell = fixtures::empty_cell(fixtures::GRAVITY);
+        let mut sheet = fixtures::table(20.0, 20.0, 0.0);
+        sheet.name = "sheet".to_owned();
+        sheet.shape = Shape::Box { half_extents: Vector3::new(1.0, 1.0, 0.0005) };
+        cell.bodies.push(sheet);
+        // The tip moves at up to 15/8 · 8 m · 1 rad / 1.2 s: 12.5 mm in a step of 1 ms.
+        let plan = fixtures::move_plan(&[0.0, 0.0, 0.0], &[(1.2, vec![1.0, 0.0, 0.0])]);
+        let mut execution = fixtures::execution();
+        let run = |execution: &Execution| simulate(&robot, &cell, None, &plan, execution, &mut |_, _| {});
+        match run(&execution) {
+            Err(SimError::StepTooLong { a, b, moved, thickness, .. }) => {
+                assert!(a.contains("finger") && b == "sheet", "{a} - {b}");
+                assert!((thickness - 0.011).abs() < 1e-12 && moved > thickness && moved < 0.013, "{moved}");
+            }
+            other => panic!("{:?}", other.err()),
+        }
+        execution.dt = 5e-4;
+        assert!(run(&execution).is_ok());
+    }
+
+    #[test]
+    fn fingers_that_cannot_follow_are_refused_and_not_cut_off() {
+        let open = |from: f64, to: f64, duration: f64| {
+            let mut lift = fixtures::lift(10.0);
+            let rest = 2.5 - duration;
+            lift.plan.opening = fixtures::through(&[from], &[(duration, vec![to]), (rest, vec![to])]);
+            run_lift(&lift, &fixtures::execution())
+        };
+        // One finger moves by half: 15/8 · 0.012 m / 0.45 s is 0.05 m/s to the last digit.
+        assert!(open(0.06, 0.036, 0.45).is_ok());
+        match open(0.06, 0.036, 0.449) {
+            Err(SimError::FingerSpeed { speed, speed_max, time }) => {
+                assert!(speed > speed_max && speed < 1.003 * speed_max && (time - 0.2245).abs() < 1e-6);
+            }
+            other => panic!("{:?}", other.err()),
+        }
+        assert!(matches!(open(0.0801, 0.08, 1.0), Err(SimError::Opening { time: 0.0, .. })));
+        assert!(matches!(open(0.06, -0.001, 1.5), Err(SimError::Opening { .. })));
+    }
+
     #[test]
     fn an_object_that_starts_inside_something_is_an_error_with_the_depth() {
         let mut lift = fixtures::lift(10.0);
@@ -562,7 +689,10 @@ mod tests {
         let recording = simulate(&robot, &cell, None, &plan, &execution, &mut |_, _| {}).unwrap();
         // Finger tips at 0.4 - 0.15 - 0.1 - 0.015 m, floor at 0.12 m, required 5 mm.
         for row in &recording.monitor {
-            assert!((row.clearance_margin_m - 0.01).abs() < 1e-5, "{}", row.clearance_margin_m);
+            match row.clearance_margin_m {
+                Some(margin) => assert!((margin - 0.01).abs() < 1e-5, "{margin}"),
+                None => assert_ne!(row.time_ns % 10_000_000, 0, "computed every 10 ms"),
+            }
         }
     }
 

@@ -10,7 +10,7 @@ use crate::{FrameSeries, JointSeries, PoseSeries, Recording};
 pub(super) const LAYOUT: &str = "layout";
 
 /// Version of the form of the file: topics, messages and this record.
-const SCHEMA: &str = "1";
+const SCHEMA: &str = "2";
 
 /// The record of a recording.
 pub(super) fn describe(recording: &Recording) -> BTreeMap<String, String> {

@@ -179,7 +179,9 @@ pub(super) struct Monitor<'a> {
     pub(super) saturated_joints: u32,
     pub(super) grip_force_n: f64,
     pub(super) opening_m: f64,
-    pub(super) clearance_margin_m: f64,
+    /// No value or one.
+    pub(super) clearance_margin_m: Cow<'a, [f64]>,
+    pub(super) contacts: u32,
 }
 
 /// Every interface that a topic needs, by `package/Type`.
@@ -311,8 +313,10 @@ uint32 saturated_joints
 # The weaker of the two fingers.
 float64 grip_force_n
 float64 opening_m
-# Distance minus required distance, for the pair where that is least.
-float64 clearance_margin_m
+# Distance minus required distance, for the pair where that is least; empty when it was not computed.
+float64[] clearance_margin_m
+# How many messages /contacts has at this stamp.
+uint32 contacts
 ";
 
 /// The schema of a message type `package/msg/Type`: its definition, then each interface it needs once.

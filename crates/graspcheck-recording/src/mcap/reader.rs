@@ -429,6 +429,11 @@ fn contact(recording: &mut Recording, time_ns: i64, message: Contact) -> Result<
 
 fn monitor(recording: &mut Recording, time_ns: i64, message: &Monitor) -> Result<(), String> {
     check_header(&message.header, time_ns, "")?;
+    let clearance_margin_m = match *message.clearance_margin_m {
+        [] => None,
+        [margin] => Some(margin),
+        _ => return Err("clearance_margin_m has more than one value".to_owned()),
+    };
     recording.monitor.push(MonitorSample {
         time_ns,
         phase: message.phase,
@@ -441,7 +446,8 @@ fn monitor(recording: &mut Recording, time_ns: i64, message: &Monitor) -> Result
         saturated_joints: message.saturated_joints,
         grip_force_n: message.grip_force_n,
         opening_m: message.opening_m,
-        clearance_margin_m: message.clearance_margin_m,
+        clearance_margin_m,
+        contacts: message.contacts,
     });
     Ok(())
 }

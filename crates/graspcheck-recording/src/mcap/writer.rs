@@ -237,7 +237,8 @@ fn monitor(recording: &Recording, row: usize) -> Monitor<'_> {
         saturated_joints: sample.saturated_joints,
         grip_force_n: sample.grip_force_n,
         opening_m: sample.opening_m,
-        clearance_margin_m: sample.clearance_margin_m,
+        clearance_margin_m: sample.clearance_margin_m.as_slice().into(),
+        contacts: sample.contacts,
     }
 }
 

@@ -108,7 +108,9 @@ fn monitor(time_ns: i64) -> MonitorSample {
         saturated_joints: 0,
         grip_force_n: 14.7,
         opening_m: 0.03,
-        clearance_margin_m: 0.0019,
+        // Computed at every tenth step.
+        clearance_margin_m: (time_ns % 10_000_000 == 0).then_some(0.0019),
+        contacts: 2,
     }
 }
 
