@@ -12,13 +12,40 @@ use crate::{
 #[must_use]
 pub fn judge(evidence: &Evidence<'_>) -> Verdict {
     let checks: Vec<CheckResult> = CHECKS.iter().map(|check| check.evaluate(evidence)).collect();
+    let was_executed = evidence.resolved.execution.is_some();
+    let (expect, left_out) = without_execution(&evidence.resolved.expect, &checks, was_executed);
+    let nothing_left = !left_out.is_empty() && expect == Expectation::Fail(Vec::new());
+    let outcome = match outcome_of(&checks) {
+        Outcome::Pass if nothing_left => Outcome::Inconclusive,
+        outcome => outcome,
+    };
     Verdict {
         schema: VERDICT_SCHEMA,
         scenario: evidence.resolved.name.clone(),
-        outcome: outcome_of(&checks),
-        as_expected: is_expected(&checks, &evidence.resolved.expect),
+        outcome,
+        as_expected: is_expected(&checks, &expect),
+        left_out,
         checks,
     }
+}
+
+/// What can be expected of a run, and the names of failures that cannot: those that mean only checks of the
+/// execution, when there was none.
+fn without_execution(
+    expect: &Expectation,
+    checks: &[CheckResult],
+    was_executed: bool,
+) -> (Expectation, Vec<String>) {
+    let Expectation::Fail(names) = expect else { return (expect.clone(), Vec::new()) };
+    if was_executed {
+        return (expect.clone(), Vec::new());
+    }
+    let needs_execution = |name: &String| {
+        let mut meant = checks.iter().filter(|result| is_meant_by(&result.check, name)).peekable();
+        meant.peek().is_some() && meant.all(|result| result.check.starts_with("executed."))
+    };
+    let (left_out, left): (Vec<String>, Vec<String>) = names.iter().cloned().partition(needs_execution);
+    (Expectation::Fail(left), left_out)
 }
 
 /// Whether a check is meant by a name in an expectation: its own, or its last word, so that `clearance`
@@ -131,6 +158,46 @@ mod tests {
         for result in verdict.checks.iter().filter(|result| result.check.starts_with("executed")) {
             assert_eq!(result.outcome, Outcome::NotRequested, "{result:?}");
         }
+    }
+
+    fn of_the_plan_alone(mut run: Run, names: &[&str]) -> Verdict {
+        run.resolved.execution = None;
+        run.recording = Default::default();
+        expecting(run, names)
+    }
+
+    #[test]
+    fn without_an_execution_only_failures_of_the_plan_are_expected() {
+        let broken = || {
+            let mut run = fixture::pick();
+            run.resolved.robot.joints[1].limits.jerk = 1.0;
+            run
+        };
+        let verdict = of_the_plan_alone(broken(), &["jerk", "slip", "executed.place"]);
+        assert_eq!((verdict.outcome, verdict.as_expected), (Outcome::Fail, true));
+        assert_eq!(verdict.left_out, ["slip", "executed.place"]);
+        let verdict = of_the_plan_alone(fixture::pick(), &["planned.jerk", "slip"]);
+        assert_eq!((verdict.outcome, verdict.as_expected), (Outcome::Pass, false));
+        // `velocity` means the planned one, too, and that was judged.
+        assert!(of_the_plan_alone(fixture::pick(), &["velocity"]).left_out.is_empty());
+        // What the plan was not asked for is not excused by the missing execution.
+        assert!(of_the_plan_alone(fixture::pick(), &["via"]).left_out.is_empty());
+        assert!(expecting(fixture::pick(), &["slip"]).left_out.is_empty());
+    }
+
+    #[test]
+    fn when_no_expected_failure_was_looked_for_there_is_no_judgement() {
+        let verdict = of_the_plan_alone(fixture::pick(), &["slip", "place"]);
+        assert_eq!((verdict.outcome, verdict.as_expected), (Outcome::Inconclusive, false));
+        assert!(verdict.is_not_judged());
+        let mut run = fixture::pick();
+        run.resolved.robot.joints[1].limits.jerk = 1.0;
+        let verdict = of_the_plan_alone(run, &["slip"]);
+        assert_eq!((verdict.outcome, verdict.as_expected), (Outcome::Fail, false));
+        assert!(!verdict.is_not_judged());
+        let mut lost = fixture::pick();
+        lost.recording = Default::default();
+        assert!(!lost.judged().is_not_judged(), "what should be there and is not is inconclusive");
     }
 
     #[test]

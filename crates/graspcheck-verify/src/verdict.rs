@@ -147,10 +147,15 @@ pub struct Verdict {
     pub schema: u32,
     /// Name of the scenario.
     pub scenario: String,
-    /// Fail if any check fails, else inconclusive if any is, else pass.
+    /// Fail if any check fails, else inconclusive if any is, else pass. A run that must fail and was not
+    /// asked for anything that must fail is inconclusive, too.
     pub outcome: Outcome,
     /// Whether the outcome, and the set of failed checks, is what the scenario expects.
     pub as_expected: bool,
+    /// Failures that the scenario expects and that do not count, since they are of the execution and the run
+    /// was not executed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<String>,
     /// All checks, in a fixed order: planned ones, then executed ones.
     pub checks: Vec<CheckResult>,
 }
@@ -181,6 +186,22 @@ impl Verdict {
     /// When `text` is not such a document, or is of a form that is newer than this library.
     pub fn from_json(text: &str) -> Result<Self, EvidenceError> {
         decode(VERDICT_JSON, text.as_bytes(), VERDICT_SCHEMA)
+    }
+
+    /// Whether the run was not executed: the checks on the execution were left out.
+    #[must_use]
+    pub fn is_of_plan_alone(&self) -> bool {
+        let mut executed = self.checks.iter().filter(|result| result.check.starts_with("executed."));
+        executed.all(|result| result.outcome == Outcome::NotRequested)
+    }
+
+    /// Whether there is no judgement, since all that must fail is of the execution and the run was not
+    /// executed.
+    #[must_use]
+    pub fn is_not_judged(&self) -> bool {
+        self.outcome == Outcome::Inconclusive
+            && !self.left_out.is_empty()
+            && self.checks.iter().all(|result| result.outcome != Outcome::Inconclusive)
     }
 
     /// The checks that fail, in the verdict's order.

@@ -40,18 +40,20 @@ pub fn folder(root: &Path, scenario: &str) -> PathBuf {
 }
 
 /// Writes the log, and with the feature `rerun` the Rerun recording beside it, into the folder of the
-/// scenario under `root`. A file of an earlier run is replaced as a whole, or not at all.
+/// scenario under `root`: `run.mcap`, or `plan.mcap` for a recording without an execution, which does not take
+/// the place of one with it. A file of an earlier run is replaced as a whole, or not at all.
 ///
 /// # Errors
 /// When the folder cannot be made or a file cannot be written.
 pub fn store(recording: &Recording, scenario: &str, root: &Path) -> Result<Stored, StoreError> {
     let folder = folder(root, scenario);
     std::fs::create_dir_all(&folder).map_err(|source| StoreError::Folder { path: folder.clone(), source })?;
-    let log = folder.join("run.mcap");
+    let name = if recording.measured.is_empty() { "plan" } else { "run" };
+    let log = folder.join(format!("{name}.mcap"));
     graspcheck_recording::save(recording, &log)?;
     #[cfg(feature = "rerun")]
     let rerun = {
-        let path = folder.join("run.rrd");
+        let path = folder.join(format!("{name}.rrd"));
         graspcheck_rerun::save(recording, scenario, &path)?;
         Some(path)
     };

@@ -38,12 +38,18 @@ fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A scenario file of this test that changes `scara/pick_cube.toml`.
+/// A scenario file of this test that changes `scara/pick_cube.toml`, with a copy of its robot beside it.
 fn changed_pick(test: &str, change: impl Fn(String) -> String) -> PathBuf {
     let text = fs::read_to_string(Path::new(WORKSPACE).join("scenarios/scara/pick_cube.toml")).unwrap();
     let cells = Path::new(WORKSPACE).canonicalize().unwrap().join("scenarios/_cells");
     let text = text.replace("../_cells", &cells.display().to_string());
-    let path = fresh_folder(test).join("changed.toml");
+    let folder = fresh_folder(test);
+    let robot = folder.join("assets/robots/scara");
+    fs::create_dir_all(&robot).unwrap();
+    for file in ["robot.toml", "scara.urdf"] {
+        fs::copy(Path::new(WORKSPACE).join("assets/robots/scara").join(file), robot.join(file)).unwrap();
+    }
+    let path = folder.join("changed.toml");
     fs::write(&path, change(text)).unwrap();
     path
 }
@@ -105,6 +111,51 @@ fn a_run_prints_its_verdict_on_stdout_and_writes_its_log() {
     assert!(files.flatten().all(|file| !file.file_name().to_string_lossy().ends_with(".tmp")));
 }
 
+#[test]
+fn a_run_without_execution_says_so_and_has_files_of_its_own() {
+    let _ = fresh_folder("no_simulate");
+    let (output, out) = graspcheck("no_simulate", &["run", "scara::pick_cube", "--no-simulate"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("plan only   not executed"), "{text}");
+    assert!(text.contains("PASS  7 checks of the plan;") && text.ends_with("; not executed\n"), "{text}");
+    let executed = text.split("executed\n").nth(1).unwrap_or_default();
+    assert!(!executed.contains("not requested"), "{text}");
+    assert!(out.join("scara/pick_cube/plan.mcap").is_file());
+    assert!(!out.join("scara/pick_cube/run.mcap").exists());
+}
+
+#[test]
+fn without_execution_its_expected_failures_do_not_count() {
+    let (output, _) =
+        graspcheck("no_simulate_fail", &["run", "negative::planned_collision", "--no-simulate"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("as expected: planned.clearance; not executed, so failures"), "{text}");
+    assert!(text.contains("slip"), "{text}");
+
+    let (output, _) = graspcheck("no_simulate_none", &["run", "negative::weak_grip", "--no-simulate"]);
+    assert_eq!(output.status.code(), Some(11), "{}", stderr(&output));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("NOT JUDGED  7 checks of the plan pass"), "{text}");
+    assert!(!text.contains("PASS"), "{text}");
+
+    let (output, _) = graspcheck("no_simulate_suite", &["run", "negative", "--no-simulate"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("nothing was executed") && text.contains("not judged"), "{text}");
+}
+
+#[test]
+fn quiet_leaves_one_line_of_a_pass_and_nothing_when_asked_twice() {
+    let (output, _) = graspcheck("quiet", &["run", "scara::pick_cube", "-q"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(text.lines().count(), 1, "{text}");
+    assert!(text.starts_with("scara::pick_cube  PASS  18 checks"), "{text}");
+    let (output, _) = graspcheck("quiet", &["run", "scara::pick_cube", "-qq"]);
+    assert!(output.stdout.is_empty() && output.stderr.is_empty(), "{}", stderr(&output));
+}
+
 /// Up to the simulation, whose last digits may differ between processors.
 #[test]
 fn the_readme_shows_what_its_first_command_prints() {
@@ -114,6 +165,8 @@ fn the_readme_shows_what_its_first_command_prints() {
     let printed = String::from_utf8_lossy(&output.stdout);
     let planned = |text: &str| text.split("executed").next().map(str::to_owned);
     assert_eq!(planned(shown), planned(&printed), "paste the output of the first command into the README");
+    let shown = shown.split("```").next().unwrap_or_default();
+    assert_eq!(shown.lines().last(), printed.lines().last(), "the last line is about the plan");
 }
 
 #[test]
@@ -174,15 +227,12 @@ fn an_object_out_of_reach_is_explained_with_its_candidates() {
     assert_fails(&output, &out, 21, &sentences);
 }
 
-/// A copy of the SCARA's asset folder with another URDF, and a scenario beside it.
+/// A scenario with another URDF of the SCARA.
 fn changed_robot(test: &str, change: impl Fn(String) -> String) -> PathBuf {
     let path = changed_pick(test, |text| text);
-    let robot = folder(test).join("assets/robots/scara");
-    fs::create_dir_all(&robot).unwrap();
-    let source = Path::new(WORKSPACE).join("assets/robots/scara");
-    fs::copy(source.join("robot.toml"), robot.join("robot.toml")).unwrap();
-    let urdf = fs::read_to_string(source.join("scara.urdf")).unwrap();
-    fs::write(robot.join("scara.urdf"), change(urdf)).unwrap();
+    let urdf = folder(test).join("assets/robots/scara/scara.urdf");
+    let text = fs::read_to_string(&urdf).unwrap();
+    fs::write(&urdf, change(text)).unwrap();
     path
 }
 

@@ -39,10 +39,10 @@ pub(super) struct RunArguments {
     /// Threads for a suite; the default is one for each core
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
-    /// Plan and prove only
+    /// Plan and prove only: nothing is executed, and only the plan is judged
     #[arg(long)]
     no_simulate: bool,
-    /// Print what is not as expected and the summary; twice: print nothing
+    /// Print what is not as expected and the last line; twice: print nothing
     #[arg(short, long, action = clap::ArgAction::Count)]
     quiet: u8,
     /// Where to write
@@ -114,7 +114,9 @@ fn one_scenario(selected: &Selected, arguments: &RunArguments) -> u8 {
         progress.line("Recorded", &format!("{:.1} MB of log", size as f64 / 1e6));
         eprintln!();
     }
-    if arguments.quiet == 0 || (arguments.quiet == 1 && code != exit::AS_EXPECTED) {
+    if arguments.quiet == 1 && code == exit::AS_EXPECTED {
+        println!("{NAME}{}{NAME:#}  {}", run.verdict.scenario, report::last_line(&run.verdict));
+    } else if arguments.quiet < 2 {
         print!("{}", report::page(&run.verdict, &scenario.resolved.title, &run.plan.phases));
         eprintln!("  log    {}", stored.log.display());
         if let Some(rerun) = &stored.rerun {
@@ -170,7 +172,12 @@ fn line(scenario: &Selected, ended: &Ended, count: usize, of: usize) -> String {
                 exit::INCONCLUSIVE => UNDECIDED,
                 _ => FAILED,
             };
-            let word = if code == exit::AS_EXPECTED { "ok" } else { "FAIL" };
+            let word = match code {
+                exit::AS_EXPECTED => "ok",
+                _ if run.verdict.is_not_judged() => "-",
+                exit::INCONCLUSIVE => "?",
+                _ => "FAIL",
+            };
             (style, word, report::last_line(&run.verdict))
         }
         Err((code, _)) => (FAILED, "ERROR", exit::meaning(*code).to_owned()),
@@ -180,37 +187,74 @@ fn line(scenario: &Selected, ended: &Ended, count: usize, of: usize) -> String {
 
 /// What is not as expected, in order of names, then the counts.
 fn summary(selected: &[Selected], ended: &[Ended], arguments: &RunArguments) -> u8 {
-    let mut codes = Vec::with_capacity(ended.len());
     for (scenario, ended) in selected.iter().zip(ended) {
-        let code = match ended {
+        match ended {
             Ok((loaded, run, _)) => {
-                let code = code_of(run);
-                if code != exit::AS_EXPECTED && arguments.quiet < 2 {
+                let is_good = run.verdict.as_expected || run.verdict.is_not_judged();
+                if !is_good && arguments.quiet < 2 {
                     println!("\n{}", report::page(&run.verdict, &loaded.resolved.title, &run.plan.phases));
                 }
-                code
             }
-            Err((code, text)) => {
+            Err((_, text)) => {
                 if arguments.quiet < 2 {
                     eprintln!("\n{NAME}{}{NAME:#}\n{text}", scenario.name);
                 }
-                *code
             }
-        };
-        codes.push(code);
+        }
     }
-    let as_expected = codes.iter().filter(|code| **code == exit::AS_EXPECTED).count();
-    let negative = ended
-        .iter()
-        .filter(|ended| matches!(ended, Ok((_, run, _)) if run.verdict.as_expected && run.verdict.outcome == Outcome::Fail))
-        .count();
+    let counts = Counts::of(ended);
     if arguments.quiet < 2 {
-        println!(
-            "\nSummary  {} scenarios: {as_expected} as expected ({negative} of them fail on purpose), {} not",
-            codes.len(),
-            codes.len() - as_expected
-        );
+        println!("\nSummary  {}", counts.sentence(arguments.no_simulate));
         eprintln!("{DIM}  results  {}{DIM:#}", arguments.out.display());
     }
-    exit::worst(&codes)
+    counts.code()
+}
+
+/// How a suite came out.
+struct Counts {
+    /// Codes of the scenarios that were judged or did not come to their end.
+    codes: Vec<u8>,
+    /// Scenarios that fail as they must.
+    negative: usize,
+    /// Scenarios whose expected failures were all left out with the execution.
+    not_judged: usize,
+}
+
+impl Counts {
+    fn of(ended: &[Ended]) -> Self {
+        let mut counts = Self { codes: Vec::with_capacity(ended.len()), negative: 0, not_judged: 0 };
+        for ended in ended {
+            match ended {
+                Ok((_, run, _)) if run.verdict.is_not_judged() => counts.not_judged += 1,
+                Ok((_, run, _)) => {
+                    counts.codes.push(code_of(run));
+                    counts.negative +=
+                        usize::from(run.verdict.as_expected && run.verdict.outcome == Outcome::Fail);
+                }
+                Err((code, _)) => counts.codes.push(*code),
+            }
+        }
+        counts
+    }
+
+    fn sentence(&self, plans_only: bool) -> String {
+        let all = self.codes.len() + self.not_judged;
+        let as_expected = self.codes.iter().filter(|code| **code == exit::AS_EXPECTED).count();
+        let not = self.codes.len() - as_expected;
+        let plural = if all == 1 { "" } else { "s" };
+        let what = if plans_only { ", plans only, nothing was executed" } else { "" };
+        let mut text = format!(
+            "{all} scenario{plural}{what}: {as_expected} as expected ({} of them fail on purpose), {not} not",
+            self.negative
+        );
+        if self.not_judged > 0 {
+            text.push_str(&format!(", {} not judged: they must fail in execution", self.not_judged));
+        }
+        text
+    }
+
+    /// What was not judged does not decide the code, unless nothing was.
+    fn code(&self) -> u8 {
+        if self.codes.is_empty() { exit::INCONCLUSIVE } else { exit::worst(&self.codes) }
+    }
 }

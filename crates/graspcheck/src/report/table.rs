@@ -3,7 +3,7 @@
 use anstyle::{AnsiColor, Style};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use graspcheck_model::plan::Phase;
-use graspcheck_verify::{Basis, CheckResult, Outcome};
+use graspcheck_verify::{Basis, CheckResult, Outcome, Verdict};
 
 use super::{
     quantity::{against, instant, margin, quantity},
@@ -90,19 +90,28 @@ pub fn words(result: &CheckResult) -> Words {
     }
 }
 
-/// The checks as a table, planned ones before executed ones, with styles for a terminal.
+/// The checks as a table, planned ones before executed ones, with styles for a terminal. Of a run that was
+/// not executed one row stands for all checks of the execution.
 #[must_use]
-pub fn checks(results: &[CheckResult]) -> String {
+pub fn checks(verdict: &Verdict) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled);
     table.add_row(["", "check", "worst", "limit", "margin", "at", "where", "by"]);
     let mut styles = vec![DIM];
     let mut current = "";
-    for result in results {
+    let plan_alone = verdict.is_of_plan_alone();
+    for result in &verdict.checks {
         if motion(&result.check) != current {
             current = motion(&result.check);
             table.add_row(["", current]);
             styles.push(DIM);
+            if current == "executed" && plan_alone {
+                table.add_row(["-", "all checks", "–", "–", "–", "–", "–", "not executed"]);
+                styles.push(DIM);
+            }
+        }
+        if current == "executed" && plan_alone {
+            continue;
         }
         let Words { value, limit, margin, at, place, by } = words(result);
         table.add_row([mark(result.outcome), &word(&result.check), &value, &limit, &margin, &at, &place, by]);

@@ -12,10 +12,16 @@ use super::{
 /// The name and title, the strip of phases, the table, one sentence for each failure, and the last line.
 #[must_use]
 pub fn page(verdict: &Verdict, title: &str, phases: &[Phase]) -> String {
-    let mut text = format!("{NAME}{}{NAME:#}   {title}\n\n", verdict.scenario);
+    let mut text = format!("{NAME}{}{NAME:#}   {title}\n", verdict.scenario);
+    if verdict.is_of_plan_alone() {
+        text.push_str(&format!(
+            "{UNDECIDED}plan only{UNDECIDED:#}   not executed: only the plan is judged\n"
+        ));
+    }
+    text.push('\n');
     text.push_str(&strip(phases, &verdict.checks));
     text.push('\n');
-    text.push_str(&checks(&verdict.checks));
+    text.push_str(&checks(verdict));
     text.push('\n');
     for result in of_outcome(verdict, Outcome::Fail) {
         text.push_str(&finding(result, FAILED));
@@ -47,44 +53,64 @@ fn finding(result: &CheckResult, style: anstyle::Style) -> String {
 /// The answer in one line: outcome, how many checks, and the tightest one.
 #[must_use]
 pub fn last_line(verdict: &Verdict) -> String {
-    let judged = verdict.checks.iter().filter(|result| result.outcome != Outcome::NotRequested).count();
-    let failed: Vec<&str> = of_outcome(verdict, Outcome::Fail).map(|result| result.check.as_str()).collect();
+    let failed: Vec<&str> = verdict.failed().map(|result| result.check.as_str()).collect();
     let undecided = of_outcome(verdict, Outcome::Inconclusive).count();
-    let expected = if verdict.as_expected { ", as expected" } else { ", not as expected" };
-    match verdict.outcome {
+    let style = if verdict.as_expected { PASSED } else { FAILED };
+    let checks = checks_made(verdict);
+    let mut text = match verdict.outcome {
         Outcome::Pass => {
-            let tightest = verdict
-                .checks
-                .iter()
-                .filter(|result| result.outcome == Outcome::Pass && result.margin_is_share)
-                .filter_map(|result| result.margin.map(|m| (m, result)))
-                .min_by(|a, b| a.0.total_cmp(&b.0))
-                .map(|(m, result)| {
-                    format!(
-                        "; tightest: {} {} at {}",
-                        motion(&result.check),
-                        word(&result.check),
-                        margin(m, true, result.unit)
-                    )
-                })
-                .unwrap_or_default();
             let note = if verdict.as_expected { "" } else { ", but it must fail" };
-            let style = if verdict.as_expected { PASSED } else { FAILED };
-            format!("{style}PASS{style:#}  {judged} checks{note}{tightest}")
+            format!("{style}PASS{style:#}  {checks}{note}{}", tightest(verdict))
         }
         Outcome::Fail => {
-            let style = if verdict.as_expected { PASSED } else { FAILED };
+            let expected = if verdict.as_expected { "as expected" } else { "not as expected" };
+            format!("{style}FAIL{style:#}  {} of {checks}, {expected}: {}", failed.len(), failed.join(", "))
+        }
+        Outcome::Inconclusive | Outcome::NotRequested if verdict.is_not_judged() => {
             format!(
-                "{style}FAIL{style:#}  {} of {judged} checks{expected}: {}",
-                failed.len(),
-                failed.join(", ")
+                "{UNDECIDED}NOT JUDGED{UNDECIDED:#}  {checks} pass, but none that must fail was made: {}",
+                verdict.left_out.join(", ")
             )
         }
         Outcome::Inconclusive | Outcome::NotRequested => {
-            format!(
-                "{UNDECIDED}INCONCLUSIVE{UNDECIDED:#}  {undecided} of {judged} checks could not be decided"
-            )
+            format!("{UNDECIDED}INCONCLUSIVE{UNDECIDED:#}  {undecided} of {checks} could not be decided")
         }
+    };
+    if verdict.is_of_plan_alone() {
+        text.push_str("; not executed");
+        if !verdict.left_out.is_empty() && !verdict.is_not_judged() {
+            text.push_str(&format!(
+                ", so failures that are expected there do not count: {}",
+                verdict.left_out.join(", ")
+            ));
+        }
+    }
+    text
+}
+
+/// How many checks were made, and on what: `18 checks`, or `7 checks of the plan`.
+fn checks_made(verdict: &Verdict) -> String {
+    let judged = verdict.checks.iter().filter(|result| result.outcome != Outcome::NotRequested).count();
+    let plural = if judged == 1 { "" } else { "s" };
+    let of_what = if verdict.is_of_plan_alone() { " of the plan" } else { "" };
+    format!("{judged} check{plural}{of_what}")
+}
+
+/// The passing check with the least room for its limit: `; tightest: executed grip at +17.9 %`. A margin that
+/// is no share is shown in its unit, too.
+fn tightest(verdict: &Verdict) -> String {
+    let Some((result, share)) = verdict.tightest().and_then(|result| Some((result, result.margin_share()?)))
+    else {
+        return String::new();
+    };
+    let (motion, word) = (motion(&result.check), word(&result.check));
+    let share = margin(share, true, result.unit);
+    match result.margin {
+        Some(room) if !result.margin_is_share => {
+            let room = margin(room, false, result.unit);
+            format!("; tightest: {motion} {word} at {room}, {share} of its limit")
+        }
+        _ => format!("; tightest: {motion} {word} at {share}"),
     }
 }
 
