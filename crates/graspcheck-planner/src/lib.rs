@@ -33,6 +33,7 @@ pub mod retime;
 mod sequence;
 mod stop;
 pub mod time_scaling;
+pub mod via;
 
 #[cfg(test)]
 #[path = "../tests/robots/mod.rs"]
