@@ -68,7 +68,67 @@ pub struct Grasp {
     pub world_from_placed: Pose,
 }
 
+/// Times that a planner adds up in different orders differ by rounding only: this much, s, for each second
+/// of the plan and one more.
+const SAME_TIME: f64 = 1e-9;
+
+/// Where the parts of a plan do not fit each other or the robot.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{what} is {found}, not {expected}")]
+pub struct PlanFault {
+    /// What does not fit.
+    pub what: String,
+    /// What it is.
+    pub found: String,
+    /// What would fit.
+    pub expected: String,
+}
+
 impl Plan {
+    /// Whether arm, opening and phases fit each other and a robot of `dof` joints: one opening, all of one
+    /// duration, phases one after the other from 0 to the end.
+    ///
+    /// # Errors
+    /// The first thing that does not fit.
+    pub fn check(&self, dof: usize) -> Result<(), PlanFault> {
+        let fault = |what: String, found: String, expected: String| Err(PlanFault { what, found, expected });
+        let joints = self.trajectory.dof();
+        if joints != dof {
+            return fault(
+                "the number of joints".to_owned(),
+                joints.to_string(),
+                format!("{dof}, as the robot's"),
+            );
+        }
+        if self.opening.dof() != 1 {
+            let found = self.opening.dof().to_string();
+            return fault("the number of openings".to_owned(), found, "1".to_owned());
+        }
+        let duration = self.duration();
+        let same = |a: f64, b: f64| (a - b).abs() <= SAME_TIME * (1.0 + duration);
+        let seconds = |t: f64| format!("{t} s");
+        if !same(self.opening.duration(), duration) {
+            let found = seconds(self.opening.duration());
+            return fault("the duration of the opening".to_owned(), found, seconds(duration));
+        }
+        let mut end = 0.0;
+        for Phase { name, start, end: next, .. } in &self.phases {
+            if !same(*start, end) {
+                return fault(format!("the start of phase {name}"), seconds(*start), seconds(end));
+            }
+            // Written so that NaN is a fault.
+            if !(*next >= *start) {
+                let expected = format!("{start} s or later");
+                return fault(format!("the end of phase {name}"), seconds(*next), expected);
+            }
+            end = *next;
+        }
+        if self.phases.is_empty() || !same(end, duration) {
+            return fault("the end of the last phase".to_owned(), seconds(end), seconds(duration));
+        }
+        Ok(())
+    }
+
     /// When the plan ends, s.
     #[must_use]
     pub fn duration(&self) -> f64 {

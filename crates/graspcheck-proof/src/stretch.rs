@@ -94,7 +94,7 @@ fn value(polynomial: &Polynomial, tau: f64) -> f64 {
 /// # Errors
 /// Says in words what is wrong with the plan.
 pub(crate) fn stretches(plan: &Plan, dof: usize) -> Result<Vec<Stretch<'_>>, String> {
-    check(plan, dof)?;
+    plan.check(dof).map_err(|fault| format!("plan: {fault}"))?;
     let mut cuts: Vec<f64> =
         Vec::with_capacity(plan.trajectory.knots().len() + plan.opening.knots().len() + plan.phases.len());
     cuts.extend_from_slice(plan.trajectory.knots());
@@ -116,35 +116,6 @@ pub(crate) fn stretches(plan: &Plan, dof: usize) -> Result<Vec<Stretch<'_>>, Str
         Stretch { start, end, phase, arm, opening }
     };
     Ok(cuts.windows(2).map(stretch).collect())
-}
-
-fn check(plan: &Plan, dof: usize) -> Result<(), String> {
-    /// Times that a planner adds up differ by rounding only, s.
-    const GAPLESS: f64 = 1e-9;
-
-    let duration = plan.duration();
-    if plan.trajectory.dof() != dof {
-        return Err(format!("plan: {} joints move, the robot has {dof}", plan.trajectory.dof()));
-    }
-    if plan.opening.dof() != 1 {
-        return Err(format!("plan: the opening has {} coordinates, not 1", plan.opening.dof()));
-    }
-    if (plan.opening.duration() - duration).abs() > GAPLESS {
-        let opening = plan.opening.duration();
-        return Err(format!("plan: the opening lasts {opening} s, the arm moves for {duration} s"));
-    }
-    let mut time = 0.0;
-    for phase in &plan.phases {
-        if !((phase.start - time).abs() <= GAPLESS && phase.end >= phase.start) {
-            let (name, start) = (&phase.name, phase.start);
-            return Err(format!("phase {name}: starts at {start} s, but the one before ends at {time} s"));
-        }
-        time = phase.end;
-    }
-    if plan.phases.is_empty() || (time - duration).abs() > GAPLESS {
-        return Err(format!("plan: the phases end at {time} s, the arm moves for {duration} s"));
-    }
-    Ok(())
 }
 
 #[cfg(test)]

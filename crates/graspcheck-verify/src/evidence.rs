@@ -4,12 +4,12 @@
 use std::sync::OnceLock;
 
 use graspcheck_model::{
-    plan::{Phase, Plan},
+    plan::Plan,
     robot::Joint,
 };
 use graspcheck_proof::{Certificate, Scene, SceneError, certificate::CERTIFICATE_SCHEMA};
 use graspcheck_recording::{Attachment, Recording};
-use serde::{Deserialize, de::DeserializeOwned};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::{
     finding::Gap,
@@ -20,6 +20,8 @@ use crate::{
 pub const RESOLVED_JSON: &str = "resolved.json";
 /// Name of the attachment that holds the [`Plan`].
 pub const PLAN_JSON: &str = "plan.json";
+/// Version of the form of `plan.json`.
+pub const PLAN_SCHEMA: u32 = 1;
 /// Name of the attachment that holds the [`Certificate`].
 pub const CERTIFICATE_JSON: &str = "certificate.json";
 /// Name under which a verdict travels.
@@ -42,9 +44,9 @@ pub enum EvidenceError {
         /// What is wrong, with line and column.
         source: serde_json::Error,
     },
-    /// A document has a form that is newer than this library.
-    #[error("{name}: schema {found} is newer than {known}, the newest known; use a newer graspcheck")]
-    FromTheFuture {
+    /// A document has a form that this library does not know.
+    #[error("{name}: schema {found} is unknown, this version reads 1 to {known}; {}", advice(*.found))]
+    UnknownSchema {
         /// Its name.
         name: &'static str,
         /// Its schema number.
@@ -114,11 +116,12 @@ impl<'a> Evidence<'a> {
     /// when a stream has columns of different lengths.
     pub fn from_recording(recording: &'a Recording) -> Result<Self, EvidenceError> {
         let resolved: Resolved = decode(RESOLVED_JSON, document(recording, RESOLVED_JSON)?, RESOLVED_SCHEMA)?;
-        let plan: Plan = parse(PLAN_JSON, document(recording, PLAN_JSON)?)?;
+        let plan: Plan = decode(PLAN_JSON, document(recording, PLAN_JSON)?, PLAN_SCHEMA)?;
         let certificate: Certificate =
             decode(CERTIFICATE_JSON, document(recording, CERTIFICATE_JSON)?, CERTIFICATE_SCHEMA)?;
         robot_is_sound(&resolved)?;
-        plan_fits(&plan, &resolved)?;
+        plan.check(resolved.robot.dof())
+            .map_err(|fault| inconsistent(PLAN_JSON, fault.what, &fault.found, fault.expected))?;
         streams_are_full(recording)?;
         Ok(Self { resolved, plan, certificate, recording, proof: OnceLock::new() })
     }
@@ -155,7 +158,7 @@ pub fn attach(recording: &mut Recording, resolved: &Resolved, plan: &Plan, certi
     });
     for (name, encoded) in [
         (RESOLVED_JSON, serde_json::to_vec_pretty(resolved)),
-        (PLAN_JSON, serde_json::to_vec(plan)),
+        (PLAN_JSON, serde_json::to_vec(&Document { schema: PLAN_SCHEMA, content: plan })),
         (CERTIFICATE_JSON, serde_json::to_vec(certificate)),
     ] {
         recording.attachments.push(Attachment {
@@ -164,6 +167,19 @@ pub fn attach(recording: &mut Recording, resolved: &Resolved, plan: &Plan, certi
             data: encoded.expect("a tree of structs, strings and numbers has a JSON form"),
         });
     }
+}
+
+/// A document with its schema number before its fields.
+#[derive(Serialize)]
+struct Document<'a, T> {
+    schema: u32,
+    #[serde(flatten)]
+    content: &'a T,
+}
+
+/// What to do about an unknown schema.
+fn advice(schema: u32) -> &'static str {
+    if schema == 0 { "was the document edited?" } else { "use a newer graspcheck" }
 }
 
 fn document<'a>(recording: &'a Recording, name: &'static str) -> Result<&'a [u8], EvidenceError> {
@@ -177,7 +193,7 @@ fn parse<T: DeserializeOwned>(name: &'static str, data: &[u8]) -> Result<T, Evid
     serde_json::from_slice(data).map_err(|source| EvidenceError::Undecodable { name, source })
 }
 
-/// The document in `data`, of a form no newer than `known`. The number is read first: a newer form need
+/// The document in `data`, of one of the forms 1 to `known`. The number is read first: a newer form need
 /// not decode at all, and the reason must not drown in a message about some field.
 pub(crate) fn decode<T: DeserializeOwned>(
     name: &'static str,
@@ -189,8 +205,8 @@ pub(crate) fn decode<T: DeserializeOwned>(
         schema: u32,
     }
     let found = parse::<Head>(name, data)?.schema;
-    if found > known {
-        return Err(EvidenceError::FromTheFuture { name, found, known });
+    if !(1..=known).contains(&found) {
+        return Err(EvidenceError::UnknownSchema { name, found, known });
     }
     parse(name, data)
 }
@@ -231,41 +247,6 @@ fn robot_is_sound(resolved: &Resolved) -> Result<(), EvidenceError> {
         && !(execution.dt.is_finite() && execution.dt >= 1e-9)
     {
         return Err(inconsistent(RESOLVED_JSON, "the step dt", &execution.dt, "at least 1e-9 s"));
-    }
-    Ok(())
-}
-
-fn plan_fits(plan: &Plan, resolved: &Resolved) -> Result<(), EvidenceError> {
-    let dof = resolved.robot.dof();
-    if plan.trajectory.dof() != dof {
-        let expected = format!("{dof}, as the robot's");
-        return Err(inconsistent(PLAN_JSON, "the number of joints", &plan.trajectory.dof(), expected));
-    }
-    if plan.opening.dof() != 1 {
-        return Err(inconsistent(PLAN_JSON, "the number of openings", &plan.opening.dof(), "1"));
-    }
-    let duration = plan.duration();
-    // Phases and knots are sums of the same durations in another order.
-    let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + duration);
-    if !same(plan.opening.duration(), duration) {
-        let expected = format!("{duration} s, as the arm's motion");
-        return Err(inconsistent(
-            PLAN_JSON,
-            "the duration of the opening",
-            &plan.opening.duration(),
-            expected,
-        ));
-    }
-    let mut end = 0.0;
-    for Phase { name, start, end: next, .. } in &plan.phases {
-        if !(same(*start, end) && *next >= *start) {
-            let expected = format!("at {end} s, and before its end at {next} s");
-            return Err(inconsistent(PLAN_JSON, format!("the start of phase {name}"), start, expected));
-        }
-        end = *next;
-    }
-    if !same(end, duration) {
-        return Err(inconsistent(PLAN_JSON, "the end of the last phase", &end, format!("{duration} s")));
     }
     Ok(())
 }
@@ -368,12 +349,22 @@ mod tests {
         let error = Evidence::from_recording(&recording).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "resolved.json: schema 2 is newer than 1, the newest known; use a newer graspcheck"
+            "resolved.json: schema 2 is unknown, this version reads 1 to 1; use a newer graspcheck"
         );
+        for (from, to, found) in [("\"schema\":1,", "\"schema\":2,", 2), ("\"schema\":1,", "\"schema\":0,", 0)] {
+            let recording = edited(PLAN_JSON, from, to);
+            let error = Evidence::from_recording(&recording).unwrap_err();
+            assert!(
+                matches!(error, EvidenceError::UnknownSchema { name: PLAN_JSON, found: number, known: 1 } if number == found),
+                "{error}"
+            );
+        }
+        let error = Evidence::from_recording(&edited(PLAN_JSON, "\"schema\":1,", "")).unwrap_err();
+        assert!(error.to_string().contains("missing field `schema`"), "{error}");
         let recording = edited(CERTIFICATE_JSON, "\"schema\":1", "\"schema\":7");
         assert!(matches!(
             Evidence::from_recording(&recording),
-            Err(EvidenceError::FromTheFuture { name: CERTIFICATE_JSON, found: 7, known: 1 })
+            Err(EvidenceError::UnknownSchema { name: CERTIFICATE_JSON, found: 7, known: 1 })
         ));
     }
 
