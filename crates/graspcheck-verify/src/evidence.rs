@@ -3,10 +3,7 @@
 
 use std::sync::OnceLock;
 
-use graspcheck_model::{
-    plan::Plan,
-    robot::Joint,
-};
+use graspcheck_model::{plan::Plan, robot::Joint};
 use graspcheck_proof::{Certificate, Scene, SceneError, certificate::CERTIFICATE_SCHEMA};
 use graspcheck_recording::{Attachment, Recording};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -351,7 +348,9 @@ mod tests {
             error.to_string(),
             "resolved.json: schema 2 is unknown, this version reads 1 to 1; use a newer graspcheck"
         );
-        for (from, to, found) in [("\"schema\":1,", "\"schema\":2,", 2), ("\"schema\":1,", "\"schema\":0,", 0)] {
+        for (from, to, found) in
+            [("\"schema\":1,", "\"schema\":2,", 2), ("\"schema\":1,", "\"schema\":0,", 0)]
+        {
             let recording = edited(PLAN_JSON, from, to);
             let error = Evidence::from_recording(&recording).unwrap_err();
             assert!(

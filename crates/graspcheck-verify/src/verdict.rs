@@ -183,7 +183,7 @@ impl Verdict {
     /// The verdict that [`Verdict::to_json`] wrote.
     ///
     /// # Errors
-    /// When `text` is not such a document, or is of a form that is newer than this library.
+    /// When `text` is not such a document, or is of a form that this library does not know.
     pub fn from_json(text: &str) -> Result<Self, EvidenceError> {
         decode(VERDICT_JSON, text.as_bytes(), VERDICT_SCHEMA)
     }
@@ -240,7 +240,7 @@ mod tests {
             Err(EvidenceError::Undecodable { name: VERDICT_JSON, .. })
         ));
         let future = fixture::pick().judged().to_json().replacen("\"schema\": 1", "\"schema\": 2", 1);
-        assert!(matches!(Verdict::from_json(&future), Err(EvidenceError::FromTheFuture { found: 2, .. })));
+        assert!(matches!(Verdict::from_json(&future), Err(EvidenceError::UnknownSchema { found: 2, .. })));
     }
 
     #[test]
