@@ -78,18 +78,21 @@ fn violated(evidence: &Evidence<'_>) -> Result<Option<Finding>, Gap> {
         let finding = Finding::at_least(at.distance, at.required, Unit::Meter).at(at.time);
         (finding.of([pair.a.as_str(), pair.b.as_str()]).during(at.phase.as_str()), at.points)
     });
-    // The proof stops at any instant of a violation; the search for the least margin finds the worst.
+    // The proof stops at any instant of a violation; the search for the least margin finds the worst, or
+    // nothing but an upper bound that says nothing.
     let searched = proof.scene.minimum_margin(&evidence.plan, MARGIN_TOLERANCE).map(|bounds| {
         let distance = bounds.upper + bounds.required;
         let finding = Finding::at_least(distance, bounds.required, Unit::Meter).at(bounds.time);
         (finding.of([bounds.a, bounds.b]).during(bounds.phase), bounds.points)
     });
-    let too_near = found.chain(searched).filter(|(finding, _)| finding.margin < 0.0);
+    let too_near = found.chain(searched.filter(|(finding, _)| finding.margin < 0.0));
     let Some((mut worst, [a, b])) = worst_by(too_near, |(finding, _)| -finding.margin) else {
         return Ok(None);
     };
-    // Proved by a witness: no rounding of a limit makes it pass.
+    // Proved by a witness, even where the distance reads as what is required: an overlap may be known no
+    // better than as deeper than it may be.
     worst.passes = false;
+    worst.margin = worst.margin.min(0.0);
     let [a, b] = [a, b].map(|[x, y, z]| format!("({x:.4}, {y:.4}, {z:.4}) m"));
     let count = proof.certificate.violations().count();
     Ok(Some(
@@ -255,6 +258,21 @@ mod tests {
         assert!(result.time.is_some() && result.place.phase.is_some());
         assert!(result.margin.unwrap() < 0.0 && !result.value_is_bound);
         assert_eq!(with_post(0.2, 0.13).check("planned.clearance").outcome, Outcome::Pass);
+    }
+
+    #[test]
+    fn a_refuted_pair_fails_even_where_its_distance_reads_as_what_is_required() {
+        for off in [0.0006, 0.002, 0.004] {
+            let mut run = fixture::pick();
+            let aside = |pose: &Pose| Pose::translation(0.0, off, 0.0) * pose;
+            let object = run.resolved.object.as_mut().unwrap();
+            object.world_from_object = aside(&object.world_from_object);
+            let grasp = run.plan.grasp.as_mut().unwrap();
+            grasp.world_from_start = aside(&grasp.world_from_start);
+            let result = run.check("planned.clearance");
+            assert_eq!(result.outcome, Outcome::Fail, "{off} m aside: {result:?}");
+            assert!(result.margin.unwrap() <= 0.0 && result.place.subjects.contains(&"cube".to_owned()));
+        }
     }
 
     #[test]
