@@ -14,7 +14,7 @@ use graspcheck_model::{
 };
 use graspcheck_motion::{MotionState, Polynomial, Trajectory};
 use graspcheck_proof::{Certificate, Scene};
-use graspcheck_recording::{ContactSample, JointSeries, PoseSeries, Recording};
+use graspcheck_recording::{ContactSample, JointSeries, MonitorSample, PoseSeries, Recording};
 use nalgebra::{Matrix3, Point2, Point3, Translation3, UnitQuaternion, Vector3};
 
 use crate::{
@@ -72,6 +72,21 @@ impl Run {
     /// The verdict on all checks.
     pub(crate) fn judged(&self) -> Verdict {
         judge(&Evidence::from_recording(&self.written()).unwrap())
+    }
+
+    /// Adds a contact as the run would have recorded it.
+    pub(crate) fn touch(&mut self, contact: ContactSample) {
+        self.recording.contacts.push(contact);
+        self.count_contacts();
+    }
+
+    /// Brings the monitor's counts of contacts up to date.
+    pub(crate) fn count_contacts(&mut self) {
+        let Recording { monitor, contacts, .. } = &mut self.recording;
+        for sample in monitor {
+            let there = contacts.iter().filter(|contact| contact.time_ns == sample.time_ns);
+            sample.contacts = there.count() as u32;
+        }
     }
 
     /// The rows of the streams at and after a time.
@@ -284,7 +299,9 @@ pub(crate) fn pick() -> Run {
         },
         expect: Expectation::Pass,
     };
-    Run { resolved, plan, recording, certificate: None }
+    let mut run = Run { resolved, plan, recording, certificate: None };
+    run.count_contacts();
+    run
 }
 
 /// A planar arm that moves by parabolic blends past two points, planned only.
@@ -344,7 +361,10 @@ fn executed(robot: &RobotModel, plan: &Plan) -> Recording {
         let time_ns = step * ns_of(DT);
         let time = time_ns as f64 / 1e9;
         plan.trajectory.eval_held(time, &mut state);
-        let pads = 0.5 * plan.opening.eval(time.min(plan.duration())).q[0].max(0.0);
+        let commanded = plan.opening.eval(time.min(plan.duration())).q[0];
+        let between =
+            matches!(plan.phase_at(time).holding, Holding::Closing | Holding::Held | Holding::Opening);
+        let pads = 0.5 * if between { commanded.max(grasp.width) } else { commanded };
         measured.time_ns.push(time_ns);
         measured.position.extend(state.q.iter().chain(&[pads, pads]));
         measured.velocity.extend(state.qd.iter().chain(&[0.0, 0.0]));
@@ -373,7 +393,9 @@ fn executed(robot: &RobotModel, plan: &Plan) -> Recording {
             contacts.push(contact(time_ns, "cube", "table", 1e-6, 0.5));
         }
     }
+    let monitor = measured.time_ns.iter().map(|&time_ns| MonitorSample { time_ns, ..Default::default() });
     Recording {
+        monitor: monitor.collect(),
         reference: measured.clone(),
         measured,
         reference_tool: tool.clone(),

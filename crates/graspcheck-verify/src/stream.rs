@@ -1,5 +1,7 @@
 //! Streams of a recording as checks read them: there, evenly timed, finite, over the whole plan.
 
+use std::{collections::BTreeMap, ops::RangeInclusive};
+
 use graspcheck_model::Pose;
 use graspcheck_recording::{ContactSample, JointSeries, PoseSeries};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -12,16 +14,16 @@ const UNIT_TOLERANCE: f64 = 1e-6;
 /// How far two samples may be from one step apart, ns: times are rounded to a nanosecond.
 const TIME_ROUNDING_NS: i64 = 1;
 
-/// States of the arm's joints over time.
+/// States of some joints over time.
 pub(crate) struct JointStream<'a> {
     series: &'a JointSeries,
-    /// Column of each joint of the arm.
+    /// Column of each joint.
     columns: Vec<usize>,
 }
 
 /// One row of a [`JointStream`] for one joint.
 pub(crate) struct JointSample {
-    /// Index of the joint, base to tool.
+    /// Index of the joint: from base to tool, or of the finger.
     pub(crate) joint: usize,
     /// s.
     pub(crate) time: f64,
@@ -33,22 +35,37 @@ pub(crate) struct JointSample {
 impl<'a> JointStream<'a> {
     /// Joint states that the robot measured, with the efforts that were applied.
     pub(crate) fn measured(evidence: &Evidence<'a>) -> Result<Self, Gap> {
-        Self::new("measured", &evidence.recording.measured, evidence)
+        Self::new("measured", &evidence.recording.measured, &arm(evidence), evidence)
+    }
+
+    /// Joint states of the two fingers as measured; their index is that of the finger.
+    pub(crate) fn measured_fingers(evidence: &Evidence<'a>) -> Result<Self, Gap> {
+        let fingers = evidence.resolved.robot.gripper.fingers.each_ref();
+        Self::new(
+            "measured",
+            &evidence.recording.measured,
+            &fingers.map(|finger| finger.joint.as_str()),
+            evidence,
+        )
     }
 
     /// Joint states that were commanded, with the efforts that were asked for before they were limited.
     pub(crate) fn commanded(evidence: &Evidence<'a>) -> Result<Self, Gap> {
-        Self::new("reference", &evidence.recording.reference, evidence)
+        Self::new("reference", &evidence.recording.reference, &arm(evidence), evidence)
     }
 
-    fn new(stream: &'static str, series: &'a JointSeries, evidence: &Evidence<'_>) -> Result<Self, Gap> {
+    fn new(
+        stream: &'static str,
+        series: &'a JointSeries,
+        joints: &[&str],
+        evidence: &Evidence<'_>,
+    ) -> Result<Self, Gap> {
         timed(stream, &series.time_ns, evidence)?;
-        let columns = evidence
-            .joints()
+        let columns = joints
             .iter()
             .map(|joint| {
-                series.names.iter().position(|name| *name == joint.name).ok_or_else(|| {
-                    Gap::inconclusive(None, format!("stream {stream} has no column for joint {}", joint.name))
+                series.names.iter().position(|name| name == joint).ok_or_else(|| {
+                    Gap::inconclusive(None, format!("stream {stream} has no column for joint {joint}"))
                 })
             })
             .collect::<Result<_, _>>()?;
@@ -77,6 +94,11 @@ impl<'a> JointStream<'a> {
             })
         })
     }
+}
+
+/// The names of the arm's joints, base to tool.
+fn arm<'e>(evidence: &'e Evidence<'_>) -> Vec<&'e str> {
+    evidence.joints().iter().map(|joint| joint.name.as_str()).collect()
 }
 
 /// A pose and its twist at an instant.
@@ -141,7 +163,8 @@ fn poses(stream: &'static str, series: &PoseSeries, evidence: &Evidence<'_>) -> 
     .collect()
 }
 
-/// The contacts of an executed plan. There may be none: that the run went on shows in the other streams.
+/// The contacts of an executed plan. There may be none: whether some are missing is for
+/// [`contacts_are_all_there`] to tell.
 pub(crate) fn contacts<'a>(evidence: &Evidence<'a>) -> Result<&'a [ContactSample], Gap> {
     timed("measured", &evidence.recording.measured.time_ns, evidence)?;
     let contacts = &evidence.recording.contacts;
@@ -154,6 +177,32 @@ pub(crate) fn contacts<'a>(evidence: &Evidence<'a>) -> Result<&'a [ContactSample
         }
     }
     Ok(contacts)
+}
+
+/// Whether every contact of the steps in `window`, s, is there: the monitor says how many each step had.
+pub(crate) fn contacts_are_all_there(
+    evidence: &Evidence<'_>,
+    window: RangeInclusive<f64>,
+) -> Result<(), Gap> {
+    let monitor = &evidence.recording.monitor;
+    let times: Vec<i64> = monitor.iter().map(|sample| sample.time_ns).collect();
+    timed("monitor", &times, evidence)?;
+    let mut there: BTreeMap<i64, u32> = times.into_iter().map(|time_ns| (time_ns, 0)).collect();
+    for contact in &evidence.recording.contacts {
+        *there.entry(contact.time_ns).or_default() += 1;
+    }
+    let promised: BTreeMap<i64, u32> =
+        monitor.iter().map(|sample| (sample.time_ns, sample.contacts)).collect();
+    for (time_ns, count) in there.into_iter().filter(|(time_ns, _)| window.contains(&seconds(*time_ns))) {
+        let promised = promised.get(&time_ns).copied().unwrap_or(0);
+        if count != promised {
+            let time = seconds(time_ns);
+            let note =
+                format!("stream contacts has {count} rows at t = {time} s, the monitor says {promised}");
+            return Err(Gap::inconclusive(Some(time), note));
+        }
+    }
+    Ok(())
 }
 
 /// Whether the run was asked to execute the plan.

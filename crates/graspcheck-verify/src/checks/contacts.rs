@@ -39,6 +39,8 @@ enum Gravity {
 
 /// The most serious contact: a forbidden one with the largest force, else the deepest one against the
 /// depth that it may have. Without any contact the value is a force of 0 N.
+///
+/// A contact that may not be fails whatever else the log lacks; without one, none may be missing.
 pub(super) fn contacts(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     let contacts = stream::contacts(evidence)?;
     let pairs = evidence.proof()?.scene.pairs(&evidence.plan);
@@ -64,6 +66,9 @@ pub(super) fn contacts(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
         if worst.as_ref().is_none_or(|(so_far, _)| gravity > *so_far) {
             worst = Some((gravity, finding.during(phase)));
         }
+    }
+    if fault_count == 0 {
+        stream::contacts_are_all_there(evidence, f64::NEG_INFINITY..=f64::INFINITY)?;
     }
     let Some((_, mut finding)) = worst else {
         return Ok(Finding::at_most(0.0, TOUCH_FORCE, Unit::Newton).noted("nothing touches"));
@@ -118,6 +123,8 @@ fn seen(contact: &ContactSample, rule: Option<&RequiredPair>) -> Option<(Gravity
 
 #[cfg(test)]
 mod tests {
+    use graspcheck_model::robot::AllowedContact;
+
     use crate::{
         Outcome, Unit,
         fixture::{self, contact, ns_of},
@@ -176,11 +183,48 @@ mod tests {
     #[test]
     fn bodies_that_are_apart_and_forces_of_nothing_do_not_count() {
         let mut run = fixture::pick();
-        run.recording.contacts.push(contact(ns_of(4.0), "palm", "table", -0.001, 0.0));
-        run.recording.contacts.push(contact(ns_of(4.0), "palm", "table", -0.001, super::TOUCH_FORCE));
+        run.touch(contact(ns_of(4.0), "palm", "table", -0.001, 0.0));
+        run.touch(contact(ns_of(4.0), "palm", "table", -0.001, super::TOUCH_FORCE));
         assert_eq!(run.check("executed.contacts").outcome, Outcome::Pass);
-        run.recording.contacts.push(contact(ns_of(4.0), "palm", "table", -0.001, 0.011));
+        run.touch(contact(ns_of(4.0), "palm", "table", -0.001, 0.011));
         assert_eq!(run.check("executed.contacts").outcome, Outcome::Fail);
+    }
+
+    #[test]
+    fn bodies_of_the_robot_may_not_touch_each_other() {
+        let mut run = fixture::pick();
+        run.touch(contact(ns_of(4.0), "carriage", "left_finger", 0.0, 5.0));
+        let result = run.check("executed.contacts");
+        assert_eq!((result.outcome, result.value), (Outcome::Fail, Some(5.0)), "{result:?}");
+        run.resolved.robot.allowed_contacts.push(AllowedContact {
+            a: "left_finger".into(),
+            b: "carriage".into(),
+            reason: "for the test".into(),
+        });
+        assert_eq!(run.check("executed.contacts").outcome, Outcome::Pass);
+    }
+
+    #[test]
+    fn contacts_that_are_missing_are_undecided_and_never_a_pass() {
+        let mut run = fixture::pick();
+        run.recording.contacts.clear();
+        let result = run.check("executed.contacts");
+        assert_eq!((result.outcome, result.time), (Outcome::Inconclusive, Some(0.0)), "{result:?}");
+        let mut run = fixture::pick();
+        let gone = run.recording.contacts.pop().unwrap();
+        let result = run.check("executed.contacts");
+        assert_eq!(result.outcome, Outcome::Inconclusive);
+        assert_eq!(result.time, Some(gone.time_ns as f64 / 1e9));
+        // One that is there and may not be is a fault all the same.
+        run.recording.contacts.push(contact(ns_of(4.0), "palm", "table", 1e-4, 3.0));
+        assert_eq!(run.check("executed.contacts").outcome, Outcome::Fail);
+        let mut run = fixture::pick();
+        run.recording.monitor.clear();
+        assert_eq!(run.check("executed.contacts").outcome, Outcome::Inconclusive);
+        // Between two steps there is nothing.
+        let mut run = fixture::pick();
+        run.recording.contacts.push(contact(ns_of(3.0) + 1, "cube", "left_finger", 1e-5, 1.0));
+        assert_eq!(run.check("executed.contacts").outcome, Outcome::Inconclusive);
     }
 
     #[test]
@@ -194,6 +238,9 @@ mod tests {
     fn no_contact_passes_with_no_force_and_a_nan_fails() {
         let mut run = fixture::pick();
         run.recording.contacts.clear();
+        for sample in &mut run.recording.monitor {
+            sample.contacts = 0;
+        }
         let result = run.check("executed.contacts");
         assert_eq!((result.outcome, result.value, result.unit), (Outcome::Pass, Some(0.0), Unit::Newton));
         run.recording.contacts.push(contact(ns_of(3.0), "cube", "left_finger", f64::NAN, 1.0));

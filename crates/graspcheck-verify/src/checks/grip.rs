@@ -27,9 +27,9 @@ pub(super) fn grip(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     let Some(grasp) = &evidence.plan.grasp else {
         return Err(Gap::inconclusive(None, "the plan has no grasp"));
     };
-    // Contacts are written only where there are some; that the run went on shows in the object's stream.
     let samples = stream::object(evidence)?;
     let window = (lift - SETTLED_BEFORE_LIFT)..=lift;
+    stream::contacts_are_all_there(evidence, window.clone())?;
     let fingers = &evidence.resolved.robot.gripper.fingers;
     let mut forces: BTreeMap<i64, [f64; 2]> = samples
         .iter()
@@ -100,6 +100,8 @@ mod tests {
 
         let mut late = fixture::pick();
         late.recording.contacts.retain(|contact| contact.time_ns > ns_of(LIFT) || contact.body_b == "table");
+        assert_eq!(late.check("executed.grip").outcome, Outcome::Inconclusive, "the monitor counted them");
+        late.count_contacts();
         let result = late.check("executed.grip");
         assert_eq!((result.outcome, result.value), (Outcome::Fail, Some(0.0)));
     }

@@ -11,6 +11,7 @@ mod executed;
 mod grip;
 mod held;
 mod limits;
+mod opening;
 mod place;
 mod slip;
 mod utilisation;
@@ -49,6 +50,7 @@ pub const CHECKS: &[Check] = &[
     Check { name: "executed.saturation", basis: Basis::Measured, find: executed::saturation },
     Check { name: "executed.tracking", basis: Basis::Measured, find: executed::tracking },
     Check { name: "executed.contacts", basis: Basis::Measured, find: contacts::contacts },
+    Check { name: "executed.opening", basis: Basis::Measured, find: opening::opening },
     Check { name: "executed.grip", basis: Basis::Measured, find: grip::grip },
     Check { name: "executed.slip", basis: Basis::Measured, find: slip::slip },
     Check { name: "executed.place", basis: Basis::Measured, find: place::place },
