@@ -7,12 +7,20 @@
 //!
 //! Symbols: `q qd qdd` are joint positions, velocities, accelerations, SI units and radians; `tau` are
 //! torques and forces, N·m or N.
+//!
+//! The recursion is written once for every [`Scalar`]. With floats it gives the torques of an instant; with
+//! [`Interval`](graspcheck_motion::Interval) bounds on the torques of every state in a box, rounding included;
+//! with [`Dual`](graspcheck_motion::Dual) numbers their rates as well. [`TorqueBounds`](crate::torque_bounds)
+//! puts these together for a stretch of time.
 
+use graspcheck_motion::{Scalar, Signed};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::{
+    hinge::Hinge,
     inertia::Inertial,
     robot::{Gripper, JointKind, RobotModel},
+    spatial::{Frame, Rotation, Vector},
 };
 
 /// The inverse dynamics of one arm, with what it holds. Owned and preallocated; evaluating it allocates
@@ -25,27 +33,38 @@ pub struct Dynamics {
     gripper: Gripper,
     /// Minus gravity, in the base frame, m/s².
     upward: Vector3<f64>,
-    scratch: Vec<Motion>,
+    workspace: Workspace<f64>,
     unit: Vec<f64>,
     zero: Vec<f64>,
     column: Vec<f64>,
 }
 
+/// Room for one evaluation of the recursion.
+#[derive(Clone, Debug)]
+pub struct Workspace<S> {
+    motions: Vec<Motion<S>>,
+}
+
+impl<S: Scalar> Workspace<S> {
+    /// Room for an arm of `dof` joints.
+    #[must_use]
+    pub fn new(dof: usize) -> Self {
+        let at_rest = Motion {
+            parent_from_link: Frame {
+                rotation: Rotation::constant(&Matrix3::identity()),
+                origin: Vector::zero(),
+            },
+            force: Vector::zero(),
+            moment: Vector::zero(),
+        };
+        Self { motions: vec![at_rest; dof] }
+    }
+}
+
 /// A link and the joint that moves it.
 #[derive(Clone, Debug)]
 struct Body {
-    kind: JointKind,
-    axis: Vector3<f64>,
-    /// Rotation of the joint's frame at position 0 into the parent's.
-    parent_from_joint: Matrix3<f64>,
-    /// `parent_from_joint` times the part of the rotation about the axis that goes with sin q.
-    with_sin: Matrix3<f64>,
-    /// … and with 1 − cos q.
-    with_versine: Matrix3<f64>,
-    /// Origin of the joint's frame at position 0 in the parent's frame, m.
-    origin: Vector3<f64>,
-    /// The axis of a prismatic joint in the parent's frame; zero for a revolute one.
-    slide: Vector3<f64>,
+    hinge: Hinge,
     mass: f64,
     center: Vector3<f64>,
     tensor: Matrix3<f64>,
@@ -56,14 +75,12 @@ struct Body {
 
 /// Motion of and force on one link, in its own frame.
 #[derive(Clone, Copy, Debug)]
-struct Motion {
-    parent_from_link: Matrix3<f64>,
-    /// Origin of the link's frame in the parent's, m.
-    origin: Vector3<f64>,
+struct Motion<S> {
+    parent_from_link: Frame<S>,
     /// Inertial force on the link, N.
-    force: Vector3<f64>,
+    force: Vector<S>,
     /// Inertial moment on the link about its frame's origin, N·m.
-    moment: Vector3<f64>,
+    moment: Vector<S>,
 }
 
 impl Dynamics {
@@ -72,47 +89,33 @@ impl Dynamics {
     #[must_use]
     pub fn new(robot: &RobotModel, gravity_world: Vector3<f64>) -> Self {
         let dof = robot.dof();
-        let bodies = robot.joints.iter().zip(&robot.links).map(|(joint, link)| {
-            let parent_from_joint = joint.parent_from_joint.rotation.to_rotation_matrix().into_inner();
-            let axis = joint.axis.into_inner();
-            let cross = axis.cross_matrix();
-            Body {
-                kind: joint.kind,
-                axis,
-                parent_from_joint,
-                with_sin: parent_from_joint * cross,
-                with_versine: parent_from_joint * cross * cross,
-                origin: joint.parent_from_joint.translation.vector,
-                slide: match joint.kind {
-                    JointKind::Revolute => Vector3::zeros(),
-                    JointKind::Prismatic => parent_from_joint * axis,
-                },
-                mass: link.inertial.mass,
-                center: link.inertial.center.coords,
-                tensor: link.inertial.tensor,
-                rotor_inertia: joint.rotor_inertia,
-                damping: joint.damping,
-                friction: joint.friction,
-            }
+        let bodies = robot.joints.iter().zip(&robot.links).map(|(joint, link)| Body {
+            hinge: Hinge::new(joint),
+            mass: link.inertial.mass,
+            center: link.inertial.center.coords,
+            tensor: link.inertial.tensor,
+            rotor_inertia: joint.rotor_inertia,
+            damping: joint.damping,
+            friction: joint.friction,
         });
-        let at_rest = Motion {
-            parent_from_link: Matrix3::identity(),
-            origin: Vector3::zeros(),
-            force: Vector3::zeros(),
-            moment: Vector3::zeros(),
-        };
         let mut dynamics = Self {
             bodies: bodies.collect(),
             last_link: robot.links.last().map_or(Inertial::massless(), |link| link.inertial.clone()),
             gripper: robot.gripper.clone(),
             upward: -(robot.world_from_base.rotation.inverse() * gravity_world),
-            scratch: vec![at_rest; dof],
+            workspace: Workspace::new(dof),
             unit: vec![0.0; dof],
             zero: vec![0.0; dof],
             column: vec![0.0; dof],
         };
         dynamics.set_load(0.0, None);
         dynamics
+    }
+
+    /// The number of joints.
+    #[must_use]
+    pub fn dof(&self) -> usize {
+        self.bodies.len()
     }
 
     /// From now on the gripper stands at `opening` (m, between the pads) and the last link carries `load`,
@@ -138,7 +141,23 @@ impl Dynamics {
     /// # Panics
     /// When a slice has another length than the arm has joints.
     pub fn inverse(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
-        recursive_newton_euler(&self.bodies, self.upward, q, qd, qdd, &mut self.scratch, tau);
+        recursive_newton_euler(&self.bodies, self.upward, q, qd, qdd, &mut self.workspace, tau);
+    }
+
+    /// As [`Dynamics::inverse`] with any [`Scalar`]: intervals give the torques of every state in a box, what
+    /// floats compute for it included; dual numbers the torques and their rates. Allocates nothing.
+    ///
+    /// # Panics
+    /// When a slice, or the workspace, has another length than the arm has joints.
+    pub fn inverse_of<S: Scalar>(
+        &self,
+        q: &[S],
+        qd: &[S],
+        qdd: &[S],
+        workspace: &mut Workspace<S>,
+        tau: &mut [S],
+    ) {
+        recursive_newton_euler(&self.bodies, self.upward, q, qd, qdd, workspace, tau);
     }
 
     /// Torques and forces that friction takes at velocities `qd`, N·m or N: viscous and dry, with the sign of
@@ -147,11 +166,19 @@ impl Dynamics {
     /// # Panics
     /// When a slice has another length than the arm has joints.
     pub fn friction(&self, qd: &[f64], out: &mut [f64]) {
+        self.friction_of(qd, out);
+    }
+
+    /// As [`Dynamics::friction`] with floats or intervals: a velocity that may change its sign gives dry
+    /// friction of either direction and all between.
+    ///
+    /// # Panics
+    /// When a slice has another length than the arm has joints.
+    pub fn friction_of<S: Signed>(&self, qd: &[S], out: &mut [S]) {
         assert_eq!(qd.len(), self.bodies.len(), "velocities for another number of joints");
         assert_eq!(out.len(), self.bodies.len(), "torques for another number of joints");
         for ((body, &velocity), torque) in self.bodies.iter().zip(qd).zip(out) {
-            let direction = if velocity == 0.0 { 0.0 } else { velocity.signum() };
-            *torque = body.damping * velocity + body.friction * direction;
+            *torque = velocity.scaled(body.damping) + velocity.sign().scaled(body.friction);
         }
     }
 
@@ -173,7 +200,7 @@ impl Dynamics {
                 q,
                 &self.zero,
                 &self.unit,
-                &mut self.scratch,
+                &mut self.workspace,
                 &mut self.column,
             );
             matrix.column_mut(k).copy_from_slice(&self.column);
@@ -184,65 +211,61 @@ impl Dynamics {
 }
 
 /// Outward over the links: velocity, acceleration and inertial force; inward: what the joints must bear.
-fn recursive_newton_euler(
+fn recursive_newton_euler<S: Scalar>(
     bodies: &[Body],
     upward: Vector3<f64>,
-    q: &[f64],
-    qd: &[f64],
-    qdd: &[f64],
-    motions: &mut [Motion],
-    tau: &mut [f64],
+    q: &[S],
+    qd: &[S],
+    qdd: &[S],
+    workspace: &mut Workspace<S>,
+    tau: &mut [S],
 ) {
     let dof = bodies.len();
+    let motions = &mut workspace.motions[..];
     assert_eq!(q.len(), dof, "positions for another number of joints");
     assert_eq!(qd.len(), dof, "velocities for another number of joints");
     assert_eq!(qdd.len(), dof, "accelerations for another number of joints");
     assert_eq!(tau.len(), dof, "torques for another number of joints");
+    assert_eq!(motions.len(), dof, "a workspace for another number of joints");
     // Angular velocity and acceleration of the parent, and acceleration of its origin, in its frame.
-    let (mut omega, mut alpha, mut acceleration) = (Vector3::zeros(), Vector3::zeros(), upward);
+    let (mut omega, mut alpha) = (Vector::zero(), Vector::zero());
+    let mut acceleration = Vector::constant(&upward);
     for (k, (body, motion)) in bodies.iter().zip(motions.iter_mut()).enumerate() {
-        let origin = match body.kind {
-            JointKind::Revolute => body.origin,
-            JointKind::Prismatic => body.origin + body.slide * q[k],
-        };
-        let of_origin = acceleration + alpha.cross(&origin) + omega.cross(&omega.cross(&origin));
-        match body.kind {
+        motion.parent_from_link = body.hinge.parent_from_link(q[k]);
+        let Frame { rotation, origin } = &motion.parent_from_link;
+        let of_origin = acceleration + alpha.cross(*origin) + omega.cross(omega.cross(*origin));
+        omega = rotation.turn_back(omega);
+        alpha = rotation.turn_back(alpha);
+        acceleration = rotation.turn_back(of_origin);
+        match body.hinge.kind {
             JointKind::Revolute => {
-                let (sin, cos) = q[k].sin_cos();
-                motion.parent_from_link =
-                    body.parent_from_joint + body.with_sin * sin + body.with_versine * (1.0 - cos);
-                let (spin, spin_up) = (body.axis * qd[k], body.axis * qdd[k]);
-                omega = motion.parent_from_link.tr_mul(&omega);
-                alpha = motion.parent_from_link.tr_mul(&alpha) + spin_up + omega.cross(&spin);
+                let spin = Vector::along(&body.hinge.axis, qd[k]);
+                alpha += Vector::along(&body.hinge.axis, qdd[k]) + omega.cross(spin);
                 omega += spin;
-                acceleration = motion.parent_from_link.tr_mul(&of_origin);
             }
             JointKind::Prismatic => {
-                motion.parent_from_link = body.parent_from_joint;
-                omega = motion.parent_from_link.tr_mul(&omega);
-                alpha = motion.parent_from_link.tr_mul(&alpha);
-                acceleration = motion.parent_from_link.tr_mul(&of_origin)
-                    + omega.cross(&(body.axis * (2.0 * qd[k])))
-                    + body.axis * qdd[k];
+                let slide = Vector::along(&body.hinge.axis, qd[k].scaled(2.0));
+                acceleration += omega.cross(slide) + Vector::along(&body.hinge.axis, qdd[k]);
             }
         }
-        motion.origin = origin;
-        let of_center = acceleration + alpha.cross(&body.center) + omega.cross(&omega.cross(&body.center));
-        motion.force = of_center * body.mass;
-        motion.moment =
-            body.tensor * alpha + omega.cross(&(body.tensor * omega)) + body.center.cross(&motion.force);
+        let of_center = acceleration
+            + alpha.cross_constant(&body.center)
+            + omega.cross(omega.cross_constant(&body.center));
+        motion.force = of_center.scaled(body.mass);
+        motion.moment = alpha.mapped(&body.tensor) + omega.cross(omega.mapped(&body.tensor))
+            - motion.force.cross_constant(&body.center);
     }
-    let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+    let (mut force, mut moment) = (Vector::zero(), Vector::zero());
     for k in (0..dof).rev() {
         let (body, motion) = (&bodies[k], &motions[k]);
         force += motion.force;
         moment += motion.moment;
-        let borne = match body.kind {
-            JointKind::Revolute => body.axis.dot(&moment),
-            JointKind::Prismatic => body.axis.dot(&force),
+        let borne = match body.hinge.kind {
+            JointKind::Revolute => moment.dot_constant(&body.hinge.axis),
+            JointKind::Prismatic => force.dot_constant(&body.hinge.axis),
         };
-        tau[k] = borne + body.rotor_inertia * qdd[k];
-        force = motion.parent_from_link * force;
-        moment = motion.parent_from_link * moment + motion.origin.cross(&force);
+        tau[k] = borne + qdd[k].scaled(body.rotor_inertia);
+        force = motion.parent_from_link.rotation.turn(force);
+        moment = motion.parent_from_link.rotation.turn(moment) + motion.parent_from_link.origin.cross(force);
     }
 }
