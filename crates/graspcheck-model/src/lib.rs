@@ -17,11 +17,14 @@
 
 pub mod assemble;
 pub mod cell;
+pub mod chain;
 pub mod convex_hull;
 pub mod dynamics;
 pub mod error;
+pub mod example;
 pub mod execution;
 mod gripper;
+mod hinge;
 pub mod inertia;
 pub mod inverse;
 pub mod kinematics;
@@ -30,8 +33,10 @@ pub mod plan;
 pub mod robot;
 pub mod settings;
 pub mod shape;
+pub mod spatial;
 pub mod structure;
 pub mod task;
+pub mod torque_bounds;
 pub mod urdf;
 
 /// A rigid transform; the name of a variable says between which frames.
