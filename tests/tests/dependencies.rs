@@ -41,7 +41,13 @@ const ALLOWED: &[Allowed] = &[
     ),
     (
         "graspcheck-scenario",
-        &["graspcheck-motion", "graspcheck-model", "graspcheck-planner", "graspcheck-verify"],
+        &[
+            "graspcheck-motion",
+            "graspcheck-model",
+            "graspcheck-proof",
+            "graspcheck-planner",
+            "graspcheck-verify",
+        ],
         &["nalgebra", "serde", "strsim", "thiserror", "toml"],
     ),
     (

@@ -143,6 +143,12 @@ impl Faults {
         self.list.borrow().is_empty()
     }
 
+    /// Whether files were read in part only, so that what seems to be missing may stand in the rest.
+    pub(crate) fn lack_a_part(&self) -> bool {
+        let codes = ["syntax", "extends", "unreadable-file"];
+        self.list.borrow().iter().any(|fault| codes.contains(&fault.code.as_str()))
+    }
+
     /// All faults, ordered by source and place, each once.
     ///
     /// Where a file is not valid TOML, a key that seems to be missing may stand in a line that could not be

@@ -36,6 +36,7 @@ mod scene;
 mod section;
 mod shape;
 mod suggest;
+mod support;
 mod task;
 mod tree;
 
@@ -48,4 +49,5 @@ pub use find::{Listed, find, name_of};
 pub use motion::{GRIP_DURATION_DEFAULT, SHARE_DEFAULT};
 pub use robot_file::ROBOT_SCHEMA;
 pub use scenario::{Provenance, SCENARIO_SCHEMA, Scenario, load};
+pub use support::{Unsupported, unsupported};
 pub use task::{PATH_TOLERANCE_DEFAULT, PREGRASP_DEFAULT};

@@ -23,6 +23,8 @@ const FACE_TOLERANCE: f64 = 1e-9;
 pub(crate) struct PlacedObject<'a> {
     pub(crate) object: Object,
     pub(crate) name_at: &'a Place,
+    /// Where its position stands.
+    pub(crate) at: &'a Place,
     /// One for each handle: where its approach stands, and whether that is "down".
     pub(crate) handles: Vec<HandlePlace<'a>>,
 }
@@ -63,6 +65,7 @@ fn one<'a>(name: &str, name_at: &'a Place, section: Section<'a>) -> Option<Place
     let mass = section.required_measure("mass", Quantity::Mass, Bound::Positive);
     let friction = section.required_plain("friction", Bound::NotNegative);
     let world_from_object = upright_pose(&section);
+    let at = section.place_of("at", Quantity::Length).unwrap_or(name_at);
     let mut handles = Vec::new();
     let mut places = Vec::new();
     for (index, handle_section) in section.sections("handle", "a handle").into_iter().enumerate() {
@@ -79,7 +82,7 @@ fn one<'a>(name: &str, name_at: &'a Place, section: Section<'a>) -> Option<Place
         world_from_object: world_from_object?,
         handles: handles.into_iter().collect::<Option<Vec<_>>>()?,
     };
-    Some(PlacedObject { object, name_at, handles: places })
+    Some(PlacedObject { object, name_at, at, handles: places })
 }
 
 fn is_down(section: &Section<'_>) -> bool {

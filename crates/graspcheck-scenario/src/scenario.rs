@@ -100,6 +100,11 @@ fn read(path: &Path, files: &mut Files, faults: &Faults) -> Option<Scenario> {
     if let Some((_, rule)) = &checks {
         scene.check_pairs(&rule.names);
     }
+    if let (Some(_), Some(gravity)) = (&bodies, &gravity)
+        && !faults.lack_a_part()
+    {
+        scene.check_support(gravity);
+    }
     scene.check_grasp(phases.as_ref().and_then(|phases| phases.grip.as_ref()));
 
     let LoadedRobot { model, settings_source, urdf_source } = robot?;

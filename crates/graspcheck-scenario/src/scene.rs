@@ -1,6 +1,10 @@
 //! What robot, cell and object must have in common: names, and a grasp that the gripper can make.
 
-use graspcheck_model::robot::{Family, RobotModel};
+use graspcheck_model::{
+    cell::CellBody,
+    robot::{Family, RobotModel},
+};
+use nalgebra::Vector3;
 
 use crate::{
     cell::PlacedBody,
@@ -8,6 +12,7 @@ use crate::{
     motion::GripPace,
     object::PlacedObject,
     suggest::nearest,
+    support::{Unsupported, unsupported},
 };
 
 /// Names that stand for something else: groups of bodies, and frames in a recording.
@@ -78,6 +83,40 @@ impl<'a> Scene<'a> {
                 None => fault.help(format!("the bodies are {}", known.join(", "))),
             });
         }
+    }
+
+    /// Reports an object that floats or is inside a body, under `gravity`, m/s².
+    pub(crate) fn check_support(&self, gravity: &Vector3<f64>) {
+        let Some(placed) = self.object else { return };
+        let bodies: Vec<&CellBody> = self.bodies.iter().map(|placed| &placed.body).collect();
+        let Some(wrong) = unsupported(&placed.object, &bodies, self.robot, gravity) else { return };
+        let name = &placed.object.name;
+        let fault = |title: String, label| Fault::new("support", placed.at, title, label);
+        let (fault, body) = match &wrong {
+            Unsupported::Inside { body, depth } => {
+                let title = format!("{name} is {:.2} mm inside {body} at the start", depth * 1e3);
+                (fault(title, "move it out"), Some(body))
+            }
+            Unsupported::Above { body, fall } => {
+                let lowest = placed.object.world_from_object.translation.vector
+                    + gravity.try_normalize(0.0).unwrap_or_default() * *fall;
+                let [x, y, z] = [lowest.x, lowest.y, lowest.z].map(|v| (v * 1e5).round() / 100.0);
+                let title =
+                    format!("nothing supports {name}: its lowest point is {:.2} mm above {body}", fall * 1e3);
+                let help = format!("it stands on {body} at_mm = [{x}, {y}, {z}]");
+                (fault(title, "it would fall at once").help(help), Some(body))
+            }
+            Unsupported::Nothing => {
+                let title = format!("nothing supports {name}: there is no body below it");
+                let fault = fault(title, "it would fall at once");
+                (fault.help("stand it on a body of the cell, or write gravity = \"none\""), None)
+            }
+        };
+        let other = body.and_then(|body| self.bodies.iter().find(|placed| placed.body.name == *body));
+        self.faults.report(match other {
+            Some(other) => fault.second(other.name_at, "this body"),
+            None => fault,
+        });
     }
 
     /// Reports a force that the gripper does not have, and handles that it can never hold.

@@ -290,6 +290,12 @@ impl<'a> Section<'a> {
         self.table.entries.keys().any(of_stem)
     }
 
+    /// Where the value of a quantity stands, in whichever of its units.
+    pub(crate) fn place_of(&self, stem: &str, quantity: Quantity) -> Option<&'a Place> {
+        let entry = quantity.keys(stem).find_map(|(key, _)| self.table.entries.get(&key));
+        entry.map(|entry| &entry.node.at)
+    }
+
     fn require_unit(&self, stem: &str, quantity: Quantity) {
         if !self.mentions(stem) {
             self.missing(&quantity.key(stem));

@@ -265,6 +265,29 @@ fn each_fault_is_named_and_located() {
 }
 
 #[test]
+fn an_object_that_floats_or_is_inside_a_body_is_a_fault_with_its_line() {
+    let at = |z: &str| {
+        faults(&format!("support_{z}"), &SCENARIO.replace("[280, -180, 15]", &format!("[280, -180, {z}]")))
+    };
+    let error = at("27");
+    assert_eq!(error.faults.len(), 1, "{}", rendered(&error));
+    assert_eq!(error.faults[0].title, "nothing supports cube: its lowest point is 12.00 mm above bench");
+    assert_eq!(marked(&error.faults[0], &error), "[280, -180, 27]");
+    assert!(rendered(&error).contains("it stands on bench at_mm = [280, -180, 15]"), "{}", rendered(&error));
+    let error = at("10");
+    assert_eq!(error.faults[0].title, "cube is 5.00 mm inside bench at the start");
+    assert_eq!(marked(&error.faults[0], &error), "[280, -180, 10]");
+    let error = faults("support_beside", &SCENARIO.replace("[280, -180, 15]", "[280, 450, 15]"));
+    assert_eq!(error.faults[0].title, "nothing supports cube: there is no body below it");
+
+    let folder = folder("support_none");
+    let scenario =
+        SCENARIO.replace("gravity = \"down\"", "gravity = \"none\"").replace("-180, 15]", "-180, 40]");
+    fs::write(folder.join("pick.toml"), scenario).unwrap();
+    load(&folder.join("pick.toml")).unwrap();
+}
+
+#[test]
 fn the_scenario_of_these_tests_has_no_fault() {
     let folder = folder("clean");
     fs::write(folder.join("pick.toml"), SCENARIO).unwrap();
@@ -341,11 +364,11 @@ fn a_chain_of_cells_may_be_three_long() {
     let chain = |length: usize| {
         for level in 1..=length {
             let text = match level < length {
-                true => format!("extends = \"cell{}.toml\"\n", level + 1),
-                false => String::new(),
+                true => format!("extends = \"cell{}.toml\"\nschema = 1\n", level + 1),
+                false => CELL.to_owned(),
             };
             let name = if level == 1 { "cell.toml".to_owned() } else { format!("cell{level}.toml") };
-            fs::write(folder.join(name), format!("{text}schema = 1\n")).unwrap();
+            fs::write(folder.join(name), text).unwrap();
         }
         load(&folder.join("pick.toml"))
     };
