@@ -38,6 +38,7 @@ pub mod structure;
 pub mod task;
 pub mod torque_bounds;
 pub mod urdf;
+pub mod via;
 
 /// A rigid transform; the name of a variable says between which frames.
 pub type Pose = nalgebra::Isometry3<f64>;

@@ -25,7 +25,7 @@ use crate::{
     error::PlanError,
     input::check_number,
     interpolation::{InterpolationError, Tolerance, ToolMotion, ToolState, interpolate},
-    lfpb::{Ends, Lfpb},
+    lfpb::{BlendEnds, Lfpb},
     opening::idle,
     pace::CheckedPace,
     retime,
@@ -133,7 +133,7 @@ impl<'a> WristMotion<'a> {
         let blends = vec![task.blend; times.len()];
         let coordinate = |of: &dyn Fn(usize) -> f64| {
             let values: Vec<f64> = (0..times.len()).map(of).collect();
-            Lfpb::with_blend_times(&times, &values, &blends, Ends::Inside)
+            Lfpb::with_blend_times(&times, &values, &blends, BlendEnds::Inside)
         };
         let x = coordinate(&|k| task.points[k].wrist.x)?;
         let y = coordinate(&|k| task.points[k].wrist.y)?;

@@ -1,101 +1,57 @@
-//! Linear function with parabolic blends (LFPB) through many points, one coordinate.
+//! Linear function with parabolic blends (LFPB) through many points.
 //!
-//! Between two points the coordinate moves at constant velocity, about each point it changes velocity at
+//! Between two points a coordinate moves at constant velocity, about each point it changes velocity at
 //! constant acceleration. It passes *near* inner points, not through them. Field words: multi-segment LSPB,
 //! linear segments with parabolic blends.
 //!
-//! Both conventions for the ends come to the same construction. Each point k has an instant eₖ at which the
-//! two lines beside it meet; inner points have eₖ = tₖ. With [`Ends::Centred`] so have the first and the last
-//! (Siciliano et al., *Robotics: Modelling, Planning and Control*, section 4.2.2), and the motion begins and
-//! ends half a blend outside. With [`Ends::Inside`] the motion begins at t₁ and ends at t_N, so that
-//! e₁ = t₁ + b₁/2 and e_N = t_N - b_N/2 (Craig, *Introduction to Robotics*, section 7.3). Then
-//! `v = Δq/Δe` on each segment, `a = Δv/b` in each blend, and blends are centred on the eₖ.
+//! ```text
+//! v = Δq/Δe      on the line of each segment
+//! a = Δv/b       in the blend of each point, of duration b, centred on eₖ
+//! a b²/8         is how far the point is missed at its own time
+//! ```
+//!
+//! Each point k has an instant eₖ at which the two lines beside it meet; inner points have eₖ = tₖ. With
+//! [`BlendEnds::Centred`] so have the first and the last (Siciliano et al., *Robotics: Modelling, Planning and
+//! Control*, section 4.2.2), and the motion begins and ends half a blend outside. With [`BlendEnds::Inside`]
+//! the motion begins at t₁ and ends at t_N, so that e₁ = t₁ + b₁/2 and e_N = t_N - b_N/2 (Craig,
+//! *Introduction to Robotics*, section 7.3).
+//!
+//! At each point either b is given or |a| ([`Blend`]), also mixed. With |a| given
+//!
+//! | point | duration of its blend |
+//! |---|---|
+//! | inner, or centred | `b = |Δv|/|a|` |
+//! | first or last of several segments, inside; T and D of its segment | `b = T − √(T² − 2D/|a|)` |
+//! | both of a single segment | `v = (T − √(T² − 2cD))/c`, c = 1/|a₁| + 1/|a₂|, b = v/|a| |
+//!
+//! A negative number under a root, or blends that overlap, mean that an acceleration is too small or a blend
+//! time too long: the error says where, by how much, and the least acceleration or longest time with which the
+//! segment's blends just touch ([`Remedy`]).
+//!
+//! A point that must be met lies on the line between two *pseudo via points* ([`Met`]); only infinite
+//! acceleration would meet it otherwise.
+//!
+//! One coordinate is an [`Lfpb`]; several that move together, in joint space or in x, y and theta, are an
+//! [`LfpbMotion`].
 
-use graspcheck_motion::Polynomial;
+mod course;
+mod error;
+mod motion;
+mod pseudo;
 
-/// Where the blends of the first and the last point lie.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ends {
-    /// After the first instant and before the last: the motion lasts from t₁ to t_N.
-    Inside,
-    /// Half before and half after: the motion lasts from t₁ - b₁/2 to t_N + b_N/2.
-    Centred,
-}
+pub use error::{LfpbError, Place, Remedy};
+pub use graspcheck_model::via::{Blend, BlendEnds};
+pub use motion::LfpbMotion;
+pub use pseudo::{LfpbPoint, Met};
 
-/// Why there is no LFPB motion. Points, blends and segments are counted from 1; segment k leads from point
-/// k to point k + 1.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum LfpbError {
-    /// Fewer than two points.
-    #[error("an LFPB motion needs at least two points, got {count}")]
-    TooFewPoints {
-        /// How many were given.
-        count: usize,
-    },
-    /// The numbers of times, positions and blends differ.
-    #[error(
-        "an LFPB motion needs a time, a position and a blend for each point, got {times}, {positions} and {blends}"
-    )]
-    PointCount {
-        /// How many times.
-        times: usize,
-        /// How many positions.
-        positions: usize,
-        /// How many blends.
-        blends: usize,
-    },
-    /// A number is NaN or infinite.
-    #[error("point {point}: {quantity} {value} must be finite")]
-    NotFinite {
-        /// Number of the point.
-        point: usize,
-        /// `time` or `position`.
-        quantity: &'static str,
-        /// What was given.
-        value: f64,
-    },
-    /// A point does not come after the one before it.
-    #[error("point {point}: time {time} s must be later than that of the point before it, {previous} s")]
-    TimesNotIncreasing {
-        /// Number of the point.
-        point: usize,
-        /// Its time, s.
-        time: f64,
-        /// The time of the point before it, s.
-        previous: f64,
-    },
-    /// A blend takes no time, which needs infinite acceleration, or is not a number.
-    #[error("point {point}: blend time {blend} s must be a positive finite number")]
-    BlendNotPositive {
-        /// Number of the point.
-        point: usize,
-        /// What was given, s.
-        blend: f64,
-    },
-    /// The blends of a segment's points overlap.
-    #[error(
-        "segment {segment}: its blends take {needed} s of the {available} s from {from} s to {to} s; \
-         shorten the blends, or give the segment at least {needed} s"
-    )]
-    BlendsOverlap {
-        /// Number of the segment.
-        segment: usize,
-        /// When its first point is due, s.
-        from: f64,
-        /// When its second point is due, s.
-        to: f64,
-        /// The parts of both blends that lie in the segment, s: the least duration that would do.
-        needed: f64,
-        /// What the segment has, s.
-        available: f64,
-    },
-    /// The numbers are so far apart that a velocity or an acceleration overflows.
-    #[error("point {point}: the acceleration overflows")]
-    Overflow {
-        /// Number of the point.
-        point: usize,
-    },
-}
+use course::{Course, Solution};
+use graspcheck_motion::{Polynomial, trajectory::SMOOTH_TOLERANCE};
+
+/// The shortest blend as a share of the motion.
+///
+/// The reason: instants are rounded by 1e-16 of the motion, which must be little in a blend. Where rounding
+/// alone makes a line turn, the change of velocity is so small that no blend is needed.
+const SHORTEST_BLEND: f64 = 1e-12;
 
 /// A linear function with parabolic blends: position and velocity continuous, from rest to rest.
 ///
@@ -104,50 +60,88 @@ pub enum LfpbError {
 pub struct Lfpb {
     end: f64,
     pieces: Vec<(f64, Polynomial)>,
+    places: Vec<Place>,
     velocities: Vec<f64>,
     accelerations: Vec<f64>,
+    durations: Vec<f64>,
     misses: Vec<f64>,
 }
 
 impl Lfpb {
+    /// The motion past `points`.
+    ///
+    /// ```
+    /// use graspcheck_planner::lfpb::{Blend, BlendEnds, Lfpb, LfpbError, LfpbPoint, Remedy, Place};
+    ///
+    /// // 40° to 120° in 4 s by blends of 25°/s²: lines at 27.64°/s, blends of 1.106 s.
+    /// let of = |acceleration| {
+    ///     let blend = Blend::Acceleration(acceleration);
+    ///     Lfpb::new(&[LfpbPoint::near(0.0, 40.0, blend), LfpbPoint::near(4.0, 120.0, blend)], BlendEnds::Inside)
+    /// };
+    /// let motion = of(25.0)?;
+    /// assert!((motion.velocities()[0] - 27.639_320_225).abs() < 1e-9);
+    /// assert!((motion.blend_times()[0] - 1.105_572_809).abs() < 1e-9);
+    /// // 19°/s² at both ends are too small. With 19 at one, 21.1 at the other would do.
+    /// let Err(LfpbError::AccelerationTooSmall { remedies, .. }) = of(19.0) else { panic!() };
+    /// let Blend::Acceleration(least) = remedies[0].blend else { panic!() };
+    /// assert!((least - 1.0 / (0.1 - 1.0 / 19.0)).abs() < 1e-9);
+    /// # Ok::<(), LfpbError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When there are fewer than two points, a number is not finite or not positive, times do not increase,
+    /// an acceleration is too small, blends overlap, a pseudo via point passes a neighbour, or an end is to
+    /// lie between pseudo via points.
+    pub fn new(points: &[LfpbPoint], ends: BlendEnds) -> Result<Self, LfpbError> {
+        let course = pseudo::course(points, ends)?;
+        let solution = course.solve()?;
+        Self::through(course, solution, points.len())
+    }
+
     /// The motion that passes near `positions` at `times`, s, with these durations of the blends at the
     /// points, s.
     ///
     /// # Errors
-    /// When the slices differ in length or have fewer than two entries, a number is not finite, times do
-    /// not increase, a blend is not positive, or the blends of a segment overlap.
+    /// When the slices differ in length; as [`Lfpb::new`].
     pub fn with_blend_times(
         times: &[f64],
         positions: &[f64],
         blends: &[f64],
-        ends: Ends,
+        ends: BlendEnds,
     ) -> Result<Self, LfpbError> {
-        check(times, positions, blends)?;
-        let last = times.len() - 1;
-        let mut meets = times.to_vec();
-        if ends == Ends::Inside {
-            meets[0] += 0.5 * blends[0];
-            meets[last] -= 0.5 * blends[last];
+        Self::with_blends(times, positions, blends, Blend::Duration, ends)
+    }
+
+    /// The motion that passes near `positions` at `times`, s, with these magnitudes of the acceleration in the
+    /// blends at the points, per s².
+    ///
+    /// # Errors
+    /// When the slices differ in length; as [`Lfpb::new`].
+    pub fn with_accelerations(
+        times: &[f64],
+        positions: &[f64],
+        accelerations: &[f64],
+        ends: BlendEnds,
+    ) -> Result<Self, LfpbError> {
+        Self::with_blends(times, positions, accelerations, Blend::Acceleration, ends)
+    }
+
+    fn with_blends(
+        times: &[f64],
+        positions: &[f64],
+        blends: &[f64],
+        blend: fn(f64) -> Blend,
+        ends: BlendEnds,
+    ) -> Result<Self, LfpbError> {
+        if times.len() != positions.len() || times.len() != blends.len() {
+            return Err(LfpbError::PointCount {
+                times: times.len(),
+                positions: positions.len(),
+                blends: blends.len(),
+            });
         }
-        let mut velocities = Vec::with_capacity(last);
-        for k in 0..last {
-            let [from, to] = [times[k], times[k + 1]];
-            // Half a blend lies in a segment, or the whole one at an end with its blend inside.
-            let needed = 0.5 * (blends[k] + blends[k + 1]) + (meets[k] - from) + (to - meets[k + 1]);
-            let available = to - from;
-            if needed > available * (1.0 + OVERLAP_TOLERANCE) {
-                return Err(LfpbError::BlendsOverlap { segment: k + 1, from, to, needed, available });
-            }
-            velocities.push((positions[k + 1] - positions[k]) / (meets[k + 1] - meets[k]));
-        }
-        let mut windows: Vec<[f64; 2]> =
-            meets.iter().zip(blends).map(|(meet, blend)| [meet - 0.5 * blend, meet + 0.5 * blend]).collect();
-        if ends == Ends::Inside {
-            // Exactly, whatever rounding did to the halves.
-            windows[0][0] = times[0];
-            windows[last][1] = times[last];
-        }
-        Self::through(times, positions, &meets, &windows, velocities)
+        let point = |k: usize| LfpbPoint::near(times[k], positions[k], blend(blends[k]));
+        Self::new(&(0..times.len()).map(point).collect::<Vec<_>>(), ends)
     }
 
     /// When the motion begins, s.
@@ -175,14 +169,28 @@ impl Lfpb {
         &self.velocities
     }
 
-    /// The constant acceleration of the blend at each point, with sign, per s²; 0 where there is no blend.
+    /// The places in order of time: the points, and in the place of one that must be met its two pseudo via
+    /// points. Lines lead from each to the next, and each has a blend.
+    #[must_use]
+    pub fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// The duration of the blend at each place, s; 0 where an acceleration is given and the velocity does not
+    /// change.
+    #[must_use]
+    pub fn blend_times(&self) -> &[f64] {
+        &self.durations
+    }
+
+    /// The constant acceleration of the blend at each place, with sign, per s²; 0 where there is no blend.
     #[must_use]
     pub fn accelerations(&self) -> &[f64] {
         &self.accelerations
     }
 
     /// How far from each point the motion is at the point's own time, with sign: position minus point,
-    /// `a b²/8`. Zero at the ends when their blends lie inside.
+    /// `a b²/8`. Zero at points that are met, and at the ends when their blends lie inside.
     #[must_use]
     pub fn misses(&self) -> &[f64] {
         &self.misses
@@ -206,72 +214,69 @@ impl Lfpb {
         polynomial.eval(t - start)
     }
 
-    /// The motion whose lines, of these velocities, meet at the points at the instants `meets`, and whose
-    /// blends last from and to the instants of `windows`.
-    fn through(
-        times: &[f64],
-        positions: &[f64],
-        meets: &[f64],
-        windows: &[[f64; 2]],
-        velocities: Vec<f64>,
-    ) -> Result<Self, LfpbError> {
-        let count = positions.len();
+    fn through(course: Course, mut solution: Solution, points: usize) -> Result<Self, LfpbError> {
+        let count = course.times.len();
+        let span = course.times[count - 1] - course.times[0];
         let mut pieces = Vec::with_capacity(2 * count - 1);
         let mut accelerations = Vec::with_capacity(count);
-        let mut misses = Vec::with_capacity(count);
+        let mut misses = vec![0.0; points];
         let mut end = f64::INFINITY;
-        for (k, (&position, &[from, to])) in positions.iter().zip(windows).enumerate() {
+        for (k, &position) in course.positions.iter().enumerate() {
+            let meet = solution.meets[k];
             // At rest before the first point and after the last.
-            let before = if k == 0 { 0.0 } else { velocities[k - 1] };
-            let after = velocities.get(k).copied().unwrap_or(0.0);
+            let before = if k == 0 { 0.0 } else { solution.velocities[k - 1] };
+            let (change, duration) = (solution.change(k), solution.durations[k]);
+            let [from, to] = window(&course, k, meet, duration);
             if from > end {
-                let line = Polynomial::new([position - before * (meets[k] - end), before]);
+                let line = Polynomial::new([position - before * (meet - end), before]);
                 pieces.push((end, line));
             }
-            let acceleration = (after - before) / (to - from);
-            let start = position - before * (meets[k] - from);
-            let blend = Polynomial::new([start, before, 0.5 * acceleration]);
+            if duration <= SHORTEST_BLEND * span {
+                let scale = before.abs().max((before + change).abs()).max(1.0);
+                if change.abs() > SMOOTH_TOLERANCE * scale {
+                    let least = SHORTEST_BLEND * span;
+                    return Err(LfpbError::BlendTooShort { place: course.places[k], duration, least });
+                }
+                solution.durations[k] = 0.0;
+                accelerations.push(0.0);
+                end = meet;
+                continue;
+            }
+            // In the time that is left between the rounded instants, so that the velocity is continuous.
+            let start = position - before * (meet - from);
+            let blend = Polynomial::new([start, before, 0.5 * change / (to - from)]);
             if !blend.is_finite() {
-                return Err(LfpbError::Overflow { point: k + 1 });
+                return Err(LfpbError::Overflow { place: course.places[k] });
             }
             pieces.push((from, blend));
-            accelerations.push(acceleration);
-            misses.push(blend.eval(times[k] - from)[0] - position);
+            accelerations.push(change / duration);
+            if let Place::Point(number) = course.places[k]
+                && !course.lies_inside(k)
+            {
+                misses[number - 1] = change * duration / 8.0;
+            }
             end = to;
         }
-        Ok(Self { end, pieces, velocities, accelerations, misses })
+        let Course { places, .. } = course;
+        let Solution { durations, velocities, .. } = solution;
+        Ok(Self { end, pieces, places, velocities, accelerations, durations, misses })
     }
 }
 
-/// Blends may overlap by this share of a segment, which is what rounding makes of two that just touch; the
-/// line between them is then left out.
-const OVERLAP_TOLERANCE: f64 = 1e-12;
-
-fn check(times: &[f64], positions: &[f64], blends: &[f64]) -> Result<(), LfpbError> {
-    if times.len() != positions.len() || times.len() != blends.len() {
-        return Err(LfpbError::PointCount {
-            times: times.len(),
-            positions: positions.len(),
-            blends: blends.len(),
-        });
-    }
-    if times.len() < 2 {
-        return Err(LfpbError::TooFewPoints { count: times.len() });
-    }
-    for (quantity, values) in [("time", times), ("position", positions)] {
-        if let Some(index) = values.iter().position(|value| !value.is_finite()) {
-            return Err(LfpbError::NotFinite { point: index + 1, quantity, value: values[index] });
+/// When a blend begins and ends, s.
+fn window(course: &Course, place: usize, meet: f64, duration: f64) -> [f64; 2] {
+    let last = course.times.len() - 1;
+    let [mut from, mut to] = [meet - 0.5 * duration, meet + 0.5 * duration];
+    if course.lies_inside(place) {
+        // Exactly, whatever rounding did to the halves.
+        if place == 0 {
+            from = course.times[0];
+        }
+        if place == last {
+            to = course.times[last];
         }
     }
-    if let Some(index) = blends.iter().position(|&blend| !(blend > 0.0 && blend.is_finite())) {
-        return Err(LfpbError::BlendNotPositive { point: index + 1, blend: blends[index] });
-    }
-    match times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        Some(k) => {
-            Err(LfpbError::TimesNotIncreasing { point: k + 2, time: times[k + 1], previous: times[k] })
-        }
-        None => Ok(()),
-    }
+    [from, to]
 }
 
 #[cfg(test)]
@@ -286,7 +291,7 @@ mod tests {
     const POINTS: [[f64; 4]; 3] = [[-4.0, 0.0, 3.0, 4.0], [0.0, 3.0, 3.0, 0.0], [90.0, 45.0, 30.0, 0.0]];
 
     fn example() -> [Lfpb; 3] {
-        POINTS.map(|points| Lfpb::with_blend_times(&TIMES, &points, &BLENDS, Ends::Inside).unwrap())
+        POINTS.map(|points| Lfpb::with_blend_times(&TIMES, &points, &BLENDS, BlendEnds::Inside).unwrap())
     }
 
     fn assert_all_near(found: &[f64], expected: &[f64], tolerance: f64) {
@@ -336,7 +341,7 @@ mod tests {
     #[test]
     fn centred_ends_begin_and_end_outside_the_points() {
         // Every v = Δq/Δt; the first blend from -0.25 s to 0.25 s passes the first point at a b²/8.
-        let motion = Lfpb::with_blend_times(&TIMES, &POINTS[0], &BLENDS, Ends::Centred).unwrap();
+        let motion = Lfpb::with_blend_times(&TIMES, &POINTS[0], &BLENDS, BlendEnds::Centred).unwrap();
         assert_all_near(motion.velocities(), &[2.0, 1.5, 1.0 / 3.0], 1e-12);
         assert_all_near(motion.accelerations(), &[4.0, -1.0, -7.0 / 3.0, -2.0 / 3.0], 1e-12);
         assert_all_near(&[motion.start(), motion.end()], &[-0.25, 7.25], 1e-12);
@@ -347,7 +352,8 @@ mod tests {
     #[test]
     fn one_segment_is_the_trapezoid() {
         // lspb-1: 40° -> 120° in 4 s at 25°/s has blends of 0.8 s.
-        let motion = Lfpb::with_blend_times(&[0.0, 4.0], &[40.0, 120.0], &[0.8; 2], Ends::Inside).unwrap();
+        let motion =
+            Lfpb::with_blend_times(&[0.0, 4.0], &[40.0, 120.0], &[0.8; 2], BlendEnds::Inside).unwrap();
         assert_all_near(motion.velocities(), &[25.0], 1e-12);
         assert_all_near(motion.accelerations(), &[31.25, -31.25], 1e-12);
         assert_eq!(motion.pieces().len(), 3);
@@ -359,28 +365,24 @@ mod tests {
         let of = |blends: &[f64; 4], ends| Lfpb::with_blend_times(&TIMES, &POINTS[0], blends, ends);
         // Segment 1 takes 0.5 s and half of 3 s, its 2 s just suffice; segment 2 takes 2.25 s.
         assert_eq!(
-            of(&blends, Ends::Inside),
-            Err(LfpbError::BlendsOverlap { segment: 2, from: 2.0, to: 4.0, needed: 2.25, available: 2.0 })
-        );
-        let message = of(&blends, Ends::Inside).unwrap_err().to_string();
-        assert!(
-            message.starts_with("segment 2: its blends take 2.25 s of the 2 s from 2 s to 4 s"),
-            "{message}"
+            of(&blends, BlendEnds::Inside).unwrap_err().to_string(),
+            "segment from point 2 to point 3: its blends take 2.25 s of the 2 s from 2 s to 4 s, 0.25 s too much; \
+             shorten the blend at point 2 to at most 2.5 s, or shorten the blend at point 3 to at most 1 s"
         );
         // The last blend lies within the last segment as a whole, or by half.
         assert!(matches!(
-            of(&[0.5, 0.5, 0.5, 3.0], Ends::Inside),
-            Err(LfpbError::BlendsOverlap { segment: 3, .. })
+            of(&[0.5, 0.5, 0.5, 3.0], BlendEnds::Inside),
+            Err(LfpbError::BlendsOverlap { from: Place::Point(3), .. })
         ));
-        assert!(of(&[0.5, 0.5, 0.5, 3.0], Ends::Centred).is_ok());
+        assert!(of(&[0.5, 0.5, 0.5, 3.0], BlendEnds::Centred).is_ok());
         // Blends that touch leave no line between them.
-        assert_eq!(of(&[0.5, 3.0, 1.0, 0.5], Ends::Inside).unwrap().pieces().len(), 5);
+        assert_eq!(of(&[0.5, 3.0, 1.0, 0.5], BlendEnds::Inside).unwrap().pieces().len(), 5);
     }
 
     #[test]
     fn bad_input_names_the_point() {
         let of = |times: &[f64], positions: &[f64], blends: &[f64]| {
-            Lfpb::with_blend_times(times, positions, blends, Ends::Inside).unwrap_err()
+            Lfpb::with_blend_times(times, positions, blends, BlendEnds::Inside).unwrap_err()
         };
         assert_eq!(of(&[0.0], &[1.0], &[0.1]), LfpbError::TooFewPoints { count: 1 });
         assert!(matches!(of(&[0.0, 1.0], &[1.0], &[0.1; 2]), LfpbError::PointCount { positions: 1, .. }));
@@ -394,9 +396,12 @@ mod tests {
         ));
         assert!(matches!(
             of(&[0.0, 1.0], &[1.0, 2.0], &[0.1, 0.0]),
-            LfpbError::BlendNotPositive { point: 2, .. }
+            LfpbError::NotPositive { point: 2, quantity: "blend time", .. }
         ));
-        assert!(matches!(of(&[0.0, 1.0], &[-1e308, 1e308], &[0.1; 2]), LfpbError::Overflow { point: 1 }));
+        assert!(matches!(
+            of(&[0.0, 1.0], &[-1e308, 1e308], &[0.1; 2]),
+            LfpbError::Overflow { place: Place::Point(1) }
+        ));
     }
 
     proptest! {
@@ -415,7 +420,7 @@ mod tests {
             }
             // Blends that fit: at most 0.33 s at both ends of a segment of 0.5 s or more.
             let blends: Vec<f64> = (0..times.len()).map(|k| 0.33 * shares[k]).collect();
-            let ends = if centred { Ends::Centred } else { Ends::Inside };
+            let ends = if centred { BlendEnds::Centred } else { BlendEnds::Inside };
             let motion = Lfpb::with_blend_times(&times, &positions, &blends, ends).unwrap();
             let pieces = motion.pieces();
             for (k, (from, piece)) in pieces.iter().enumerate() {

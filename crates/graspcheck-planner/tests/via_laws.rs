@@ -1,5 +1,7 @@
 //! Motions through points in joint space: section 5 of the worked examples, and the laws of every law.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+
 use std::f64::consts::PI;
 
 use graspcheck_motion::{ContinuityClass, Polynomial, Trajectory};

@@ -1,7 +1,7 @@
 //! Cubic splines: the acceleration is continuous, too.
 //!
 //! With the durations `hₖ` of the segments, their slopes `Δₖ = (qₖ₊₁ − qₖ)/hₖ` and the cubics of
-//! [`imposed`], the acceleration is the same on both sides of inner point k when the
+//! [`imposed`](super::imposed), the acceleration is the same on both sides of inner point k when the
 //! velocities fulfil
 //!
 //! ```text
