@@ -64,7 +64,7 @@ fn workspace_of(root: &Path) -> PathBuf {
 fn judge(path: &Path, name: &str, results: &Path) -> Result<(), Failed> {
     let scenario = load(path).map_err(|error| report::faults(&error, false))?;
     let run = run_scenario(&scenario, &mut Silent)
-        .map_err(|error| report::plain(&report::no_run(&error, &scenario.resolved.robot)))?;
+        .map_err(|error| report::plain(&report::no_run(&error, &scenario.resolved, false)))?;
     let stored = store::store(&run.recording, name, results).map_err(|error| error.to_string())?;
     if run.verdict.as_expected {
         return Ok(());

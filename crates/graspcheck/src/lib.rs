@@ -15,6 +15,7 @@
 pub mod exit;
 pub mod harness;
 mod markers;
+pub mod nearby;
 pub mod report;
 pub mod run;
 pub mod store;

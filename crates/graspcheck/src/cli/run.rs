@@ -45,6 +45,9 @@ pub(super) struct RunArguments {
     /// Print what is not as expected and the last line; twice: print nothing
     #[arg(short, long, action = clap::ArgAction::Count)]
     quiet: u8,
+    /// List every way to do the task that planning looked at
+    #[arg(short, long)]
+    verbose: bool,
     /// Where to write
     #[arg(long, value_name = "DIR", env = "GRASPCHECK_OUT", default_value = "target/graspcheck")]
     out: PathBuf,
@@ -77,8 +80,9 @@ fn carry_out(selected: &Selected, arguments: &RunArguments, observer: &mut dyn O
     if arguments.no_simulate {
         scenario.resolved.execution = None;
     }
-    let run = run_scenario(&scenario, observer)
-        .map_err(|error| (report::exit_code(&error), report::no_run(&error, &scenario.resolved.robot)))?;
+    let run = run_scenario(&scenario, observer).map_err(|error| {
+        (report::exit_code(&error), report::no_run(&error, &scenario.resolved, arguments.verbose))
+    })?;
     let stored = store::store(&run.recording, &scenario.resolved.name, &arguments.out)
         .map_err(|error| (exit::BUG, format!("error: {error}\n")))?;
     Ok((scenario, run, stored))

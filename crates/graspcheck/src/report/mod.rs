@@ -4,6 +4,7 @@
 //! sentence in an event and the message of a failing test are renderings of it. Colours are written as
 //! ANSI styles and stripped by the printer where they are not wanted.
 
+mod candidates;
 mod fault;
 mod quantity;
 mod sentence;

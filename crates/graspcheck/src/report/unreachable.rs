@@ -1,22 +1,18 @@
 //! Why a scenario could not be run, with the table of candidates when no grasp can be reached.
 
-use comfy_table::{ContentArrangement, Table, presets};
-use graspcheck_model::{
-    robot::{JointKind, RobotModel},
-    task::Elbow,
-};
-use graspcheck_planner::{
-    PlanError,
-    candidate::{BranchChoice, Candidate, CandidateOutcome},
-    error::NothingReachable,
-};
-use graspcheck_verify::Unit;
+use graspcheck_planner::{PlanError, error::NothingReachable};
+use graspcheck_verify::{Resolved, Unit};
 
 use super::{
+    candidates,
     quantity::{Rounding, quantity},
     table::{FAILED, NAME},
 };
-use crate::{exit, run::RunError};
+use crate::{
+    exit,
+    nearby::{self, Nearby},
+    run::RunError,
+};
 
 /// The exit code that says why a scenario could not be run.
 #[must_use]
@@ -28,11 +24,12 @@ pub fn exit_code(error: &RunError) -> u8 {
     }
 }
 
-/// Why a scenario could not be run; with the table of candidates when no grasp can be reached.
+/// Why a scenario could not be run; with the table of candidates when no grasp can be reached, grouped or
+/// `every` one of them, and with a place that can be reached, for which planning is tried here.
 #[must_use]
-pub fn no_run(error: &RunError, robot: &RobotModel) -> String {
+pub fn no_run(error: &RunError, resolved: &Resolved, every: bool) -> String {
     match error {
-        RunError::Plan(PlanError::Unreachable(nothing)) => unreachable(nothing, robot),
+        RunError::Plan(PlanError::Unreachable(nothing)) => unreachable(nothing, resolved, every),
         other => format!("{FAILED}error{FAILED:#}: {other}\n"),
     }
 }
@@ -41,15 +38,7 @@ fn length(value: f64) -> String {
     quantity(value, Unit::Meter, Rounding::Nearest)
 }
 
-fn position(value: f64, kind: JointKind) -> String {
-    let unit = match kind {
-        JointKind::Revolute => Unit::Radian,
-        JointKind::Prismatic => Unit::Meter,
-    };
-    quantity(value, unit, Rounding::Nearest)
-}
-
-fn unreachable(nothing: &NothingReachable, robot: &RobotModel) -> String {
+fn unreachable(nothing: &NothingReachable, resolved: &Resolved, every: bool) -> String {
     let placing = nothing.wrist.is_some_and(|wrist| wrist.placing);
     let pose = if placing { &nothing.world_from_placed } else { &nothing.world_from_object };
     let at = pose.translation.vector;
@@ -72,72 +61,31 @@ fn unreachable(nothing: &NothingReachable, robot: &RobotModel) -> String {
         ));
     }
     text.push('\n');
-    text.push_str(&table(&nothing.candidates, robot));
-    if let Some(shift) = nothing.wrist.as_ref().and_then(|wrist| wrist.shift) {
-        let to = at + shift;
-        text.push_str(&format!(
-            "\n  try  at_mm = [{:.1}, {:.1}, {:.1}]   the nearest place within reach, {} away\n",
-            to.x * 1e3,
-            to.y * 1e3,
-            to.z * 1e3,
-            length(shift.norm())
-        ));
+    text.push_str(&candidates::table(&nothing.candidates, &resolved.robot, every));
+    text.push('\n');
+    let places = nearby::places(resolved, nothing);
+    if places.is_empty() {
+        text.push_str(
+            "  try  another place or another handle: none of the places nearby that were tried has a plan\n",
+        );
+    }
+    for (index, place) in places.iter().enumerate() {
+        text.push_str(&suggestion(place, index == 0));
     }
     text
 }
 
-/// The candidates, nearest miss first: handle, branch, joint positions, how far planning got, and why no further.
-fn table(candidates: &[Candidate], robot: &RobotModel) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled);
-    let joints = robot.joints.iter().map(|joint| joint.name.clone());
-    table.add_row(
-        ["", "handle", "branch"]
-            .map(str::to_owned)
-            .into_iter()
-            .chain(joints)
-            .chain(["stage".to_owned(), "rejected because".to_owned()]),
-    );
-    for candidate in candidates {
-        let choice = candidate.place.as_ref().or(candidate.grasp.as_ref());
-        let handle = if candidate.half_turn {
-            format!("{}, half turn", candidate.handle)
-        } else {
-            candidate.handle.clone()
-        };
-        let mut row = vec![String::new(), handle, choice.map_or_else(|| "–".to_owned(), branch)];
-        row.extend(robot.joints.iter().enumerate().map(|(k, joint)| {
-            choice.map_or_else(|| "–".to_owned(), |choice| position(choice.q[k], joint.kind))
-        }));
-        row.push(candidate.stage.to_string());
-        row.push(reason(&candidate.outcome, robot));
-        table.add_row(row);
-    }
-    table.lines().map(|line| format!("{}\n", line.trim_end())).collect()
-}
-
-fn branch(choice: &BranchChoice) -> String {
-    let elbow = match choice.elbow {
-        Elbow::Left => "elbow left",
-        Elbow::Right => "elbow right",
-    };
-    match choice.turn {
-        0 => elbow.to_owned(),
-        turn => format!("{elbow}, turn {turn:+}"),
-    }
-}
-
-fn reason(outcome: &CandidateOutcome, robot: &RobotModel) -> String {
-    match outcome {
-        CandidateOutcome::Limit { joint, value, limit, excess } => {
-            let kind = robot
-                .joints
-                .iter()
-                .find(|other| other.name == *joint)
-                .map_or(JointKind::Revolute, |j| j.kind);
-            let side = if value > limit { "above" } else { "below" };
-            format!("{joint} {} {side} {}", position(*excess, kind), position(*limit, kind))
-        }
-        other => other.to_string(),
-    }
+fn suggestion(Nearby { placing, at, moved }: &Nearby, first: bool) -> String {
+    let word = if first { "try" } else { "and" };
+    let key = if *placing { "place = { at_mm" } else { "at_mm" };
+    let end = if *placing { ", … }" } else { "" };
+    let [x, y, z] = [at.x, at.y, at.z].map(|value| {
+        // As it would be written: no more digits than it has.
+        format!("{}", (value * 1e7).round() / 1e4)
+    });
+    let what = if *placing { "the place" } else { "the object" };
+    format!(
+        "  {word}  {key} = [{x}, {y}, {z}]{end}   moves {what} by {}; planned and proved clear\n",
+        length(*moved)
+    )
 }
