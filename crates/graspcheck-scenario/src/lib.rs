@@ -45,7 +45,7 @@ pub use execution::{
     BANDWIDTH_DEFAULT, CONTACT_DEFAULT, DAMPING_RATIO_DEFAULT, SETTLE_DEFAULT, STEP_DEFAULT, SUBSTEPS_DEFAULT,
 };
 pub use fault::{Fault, Help, LoadError, SecondPlace, Source};
-pub use find::{Listed, find, name_of};
+pub use find::{Listed, find, holds_files_to_extend, name_of};
 pub use motion::{GRIP_DURATION_DEFAULT, SHARE_DEFAULT};
 pub use robot_file::ROBOT_SCHEMA;
 pub use scenario::{Provenance, SCENARIO_SCHEMA, Scenario, load};

@@ -186,17 +186,47 @@ fn a_verdict_that_is_not_as_expected_has_a_code_of_its_own() {
 fn the_command_line_is_checked() {
     let (output, out) = graspcheck("usage", &["run"]);
     assert_fails(&output, &out, 2, &["SCENARIO"]);
-    let (output, out) = graspcheck("usage", &["run", "no::such_scenario"]);
-    assert_fails(&output, &out, 3, &["no::such_scenario: no such file, folder or scenario"]);
-    let empty = fresh_folder("empty");
-    let (output, out) = graspcheck("usage", &["run", &empty.display().to_string()]);
-    assert_fails(&output, &out, 3, &["there is no scenario"]);
+    let (output, out) = graspcheck("usage", &["list", "--nothing"]);
+    assert_fails(&output, &out, 2, &["--nothing"]);
 }
 
 #[test]
-fn a_missing_file_is_named() {
-    let (output, out) = graspcheck("missing", &["run", "scenarios/scara/absent.toml"]);
-    assert_fails(&output, &out, 20, &["scenarios/scara/absent.toml", "no such file"]);
+fn what_names_nothing_is_told_in_the_same_words_everywhere() {
+    for arguments in [
+        ["run", "no::such_scenario"],
+        ["run", "nope.toml"],
+        ["run", "scenarios/nope"],
+        ["run", "scenarios/scara/absent.toml"],
+        ["list", "nope"],
+        ["list", "scenarios/scara/absent.toml"],
+    ] {
+        let (output, out) = graspcheck("nothing", &arguments);
+        let sentence =
+            format!("error: {}: no such file, folder or scenario; see graspcheck list", arguments[1]);
+        assert_fails(&output, &out, 3, &[&sentence]);
+    }
+}
+
+#[test]
+fn folders_without_scenarios_say_so() {
+    let empty = fresh_folder("empty").display().to_string();
+    let robot = "assets/robots/scara/robot.toml";
+    for command in ["run", "list"] {
+        for folder in ["assets", &empty] {
+            let (output, out) = graspcheck("no_scenario", &[command, folder]);
+            assert_fails(&output, &out, 3, &[&format!("error: {folder}: there is no scenario here\n")]);
+        }
+        for path in ["scenarios/_cells", "scenarios/_cells/bench.toml"] {
+            let (output, out) = graspcheck("no_scenario", &[command, path]);
+            let sentence = format!(
+                "{path}: there is no scenario here; a folder whose name begins with `_` holds files to extend"
+            );
+            assert_fails(&output, &out, 3, &[&sentence]);
+        }
+    }
+    // A file that is named is read, and says itself why it is none.
+    let (output, out) = graspcheck("no_scenario", &["run", robot]);
+    assert_fails(&output, &out, 20, &["unknown key `urdf`"]);
 }
 
 #[test]

@@ -8,7 +8,10 @@ use graspcheck::{
     report::{DIM, NAME},
 };
 
-use super::default_root;
+use super::{
+    default_root,
+    select::{Unselected, below},
+};
 
 /// Show scenarios.
 #[derive(clap::Args, Debug)]
@@ -19,17 +22,18 @@ pub(super) struct ListArguments {
 }
 
 pub(super) fn execute(arguments: &ListArguments) -> u8 {
-    let listed = match graspcheck_scenario::find(&arguments.root) {
+    let listed = match below(&arguments.root) {
         Ok(listed) => listed,
-        Err(error) => {
-            eprintln!("error: {error}");
-            return exit::INVALID_FILE;
+        Err(Unselected { message, code }) => {
+            eprintln!("error: {message}");
+            return code;
         }
     };
     let width = listed.iter().map(|found| found.name.len()).max().unwrap_or(0);
     for found in &listed {
         println!("{NAME}{:width$}{NAME:#}  {}", found.name, found.title);
     }
-    eprintln!("{DIM}{} scenarios in {}{DIM:#}", listed.len(), arguments.root.display());
-    if listed.is_empty() { exit::NOTHING_SELECTED } else { exit::AS_EXPECTED }
+    let plural = if listed.len() == 1 { "" } else { "s" };
+    eprintln!("{DIM}{} scenario{plural} in {}{DIM:#}", listed.len(), arguments.root.display());
+    exit::AS_EXPECTED
 }

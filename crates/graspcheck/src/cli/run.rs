@@ -20,7 +20,7 @@ use graspcheck_verify::Outcome;
 
 use super::{
     progress::Progress,
-    select::{Selected, select},
+    select::{Selected, Unselected, select},
 };
 
 const EXAMPLES: &str = "\
@@ -56,16 +56,12 @@ pub(super) struct RunArguments {
 pub(super) fn execute(arguments: &RunArguments) -> u8 {
     let selected = match select(&arguments.scenarios) {
         Ok(selected) => selected,
-        Err(message) => {
+        Err(Unselected { message, code }) => {
             eprintln!("error: {message}");
-            return exit::NOTHING_SELECTED;
+            return code;
         }
     };
     match selected.as_slice() {
-        [] => {
-            eprintln!("error: there is no scenario in {}", arguments.scenarios.join(", "));
-            exit::NOTHING_SELECTED
-        }
         [one] => one_scenario(one, arguments),
         many => suite(many, arguments),
     }
