@@ -16,7 +16,7 @@ const ALLOWED: &[Allowed] = &[
     (
         "graspcheck-model",
         &["graspcheck-motion"],
-        &["nalgebra", "roxmltree", "serde", "stl_io", "strsim", "thiserror", "urdf-rs"],
+        &["nalgebra", "rand_chacha", "roxmltree", "serde", "stl_io", "strsim", "thiserror", "urdf-rs"],
     ),
     (
         "graspcheck-proof",

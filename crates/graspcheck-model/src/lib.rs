@@ -28,6 +28,7 @@ mod hinge;
 pub mod inertia;
 pub mod inverse;
 pub mod kinematics;
+pub mod numerical;
 pub mod object;
 pub mod plan;
 pub mod robot;

@@ -8,8 +8,10 @@ use graspcheck_model::{
     Pose,
     inertia::Inertial,
     robot::{Family, Finger, Gripper, Joint, JointKind, JointLimits, Link, RobotModel},
+    settings::{GripperSettings, JointSettings, RobotSettings, ToolSettings},
     shape::Shape,
     structure::PlanarGeometry,
+    urdf,
 };
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
@@ -173,4 +175,33 @@ pub(crate) fn spatial() -> RobotModel {
     let mut robot = arm(joints, inertials, pose([0.1, -0.2, 0.3], [0.1, 0.2, 0.3]));
     robot.world_from_base = pose([0.5, 0.6, 0.7], [0.9, -0.3, 0.2]);
     robot
+}
+
+/// The arm of six revolute joints in `six.urdf`, read as any robot is. Its wrist axes do not meet.
+pub(crate) fn six() -> RobotModel {
+    let joint = |name: &str| JointSettings {
+        name: name.to_owned(),
+        acceleration: 10.0,
+        jerk: 100.0,
+        rotor_inertia: 0.0,
+    };
+    let settings = RobotSettings {
+        world_from_base: pose([0.1, -0.2, 0.3], [0.0, 0.0, 0.4]),
+        joints: ["j1", "j2", "j3", "j4", "j5", "j6"].map(joint).to_vec(),
+        tool: ToolSettings {
+            link: "hand".to_owned(),
+            link_from_tool: pose([0.0, 0.0, 0.12], [0.0, -FRAC_PI_2, 0.0]),
+        },
+        gripper: GripperSettings {
+            fingers: ["finger_left_slide".to_owned(), "finger_right_slide".to_owned()],
+            opening_max: 0.08,
+            free_opening: 0.005,
+            force_max: 40.0,
+            finger_speed: 0.05,
+        },
+        allowed_contacts: Vec::new(),
+    };
+    let document = urdf::parse(include_str!("six.urdf")).expect("a good text");
+    RobotModel::assemble("six", &document, &settings, &mut |_| Err("it has no meshes".to_owned()))
+        .expect("a good robot")
 }
