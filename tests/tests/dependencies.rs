@@ -79,6 +79,8 @@ const ALLOWED: &[Allowed] = &[
             "libtest-mimic",
             "nalgebra",
             "rustix",
+            "serde",
+            "serde_json",
             "thiserror",
         ],
     ),

@@ -133,6 +133,14 @@ pub enum CandidateOutcome {
     },
 }
 
+impl CandidateOutcome {
+    /// Whether the motion cannot be made at all: a pose or a straight move is out of reach or beyond a limit.
+    #[must_use]
+    pub fn is_unreachable(&self) -> bool {
+        matches!(self, Self::OutOfReach(_) | Self::Limit { .. } | Self::Line { .. })
+    }
+}
+
 /// Where the wrist would have to be, and where it can be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WristReach {

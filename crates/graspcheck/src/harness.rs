@@ -71,7 +71,7 @@ fn judge(path: &Path, name: &str, results: &Path) -> Result<(), Failed> {
     }
     Err(Failed::from(format!(
         "{}\n\n  log     {}\n  again   cargo run -- run {name}",
-        report::failure(&run.verdict),
+        report::failure(&run, &scenario.resolved),
         stored.log.display(),
     )))
 }

@@ -8,10 +8,11 @@
 //! ```no_run
 //! let scenario = graspcheck::load(std::path::Path::new("scenarios/scara/pick_cube.toml"))?;
 //! let run = graspcheck::run_scenario(&scenario, &mut graspcheck::Silent)?;
-//! assert!(run.verdict.as_expected, "{}", graspcheck::report::failure(&run.verdict));
+//! assert!(run.verdict.as_expected, "{}", graspcheck::report::failure(&run, &scenario.resolved));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod candidates;
 pub mod exit;
 pub mod harness;
 mod markers;

@@ -1,14 +1,14 @@
 //! The pipeline: one scenario in, one judged recording out.
 
 use graspcheck_model::plan::Plan;
-use graspcheck_planner::{PlanError, Planned};
+use graspcheck_planner::{Candidate, PlanError, Planned};
 use graspcheck_proof::{Certificate, ProofOutcome, Scene, SceneError};
 use graspcheck_recording::{Attachment, Diagnostic, Event, Level, Recording};
 use graspcheck_scenario::Scenario;
 use graspcheck_sim::SimError;
 use graspcheck_verify::{Evidence, EvidenceError, Outcome, Verdict, attach, judge};
 
-use crate::{markers, report};
+use crate::{candidates, markers, report};
 
 /// A run that was carried out and judged. A verdict that fails is a result, not an error.
 #[derive(Clone, Debug)]
@@ -19,6 +19,8 @@ pub struct Run {
     pub verdict: Verdict,
     /// The plan that was executed.
     pub plan: Plan,
+    /// The ways to do the task that planning looked at, the chosen one first; empty when there was one only.
+    pub candidates: Vec<Candidate>,
 }
 
 /// Why a scenario could not be run. None of these is a verdict.
@@ -101,7 +103,7 @@ impl Observer for Silent {
 pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<Run, RunError> {
     let resolved = &scenario.resolved;
     let object = resolved.object.as_ref();
-    let Planned { plan, certificate, .. } =
+    let Planned { plan, certificate, candidates } =
         graspcheck_planner::find(&resolved.robot, &resolved.cell, object, &resolved.task, &resolved.pace)?;
     observer.done(Stage::Planned {
         phases: plan.phases.len(),
@@ -140,6 +142,7 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
     };
 
     attach(&mut recording, resolved, &plan, &certificate);
+    recording.attachments.extend(candidates::document(&candidates));
     recording.attachments.extend(scenario.provenance.iter().map(|document| Attachment {
         name: document.name.clone(),
         media_type: document.media_type.clone(),
@@ -154,7 +157,7 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
         checks: verdict.checks.iter().filter(|result| result.outcome != Outcome::NotRequested).count(),
     });
     enter_verdict(&mut recording, &verdict);
-    Ok(Run { recording, verdict, plan })
+    Ok(Run { recording, verdict, plan, candidates })
 }
 
 fn leaf_count(certificate: &Certificate) -> usize {

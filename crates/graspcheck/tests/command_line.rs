@@ -40,7 +40,12 @@ fn stderr(output: &Output) -> String {
 
 /// A scenario file of this test that changes `scara/pick_cube.toml`, with a copy of its robot beside it.
 fn changed_pick(test: &str, change: impl Fn(String) -> String) -> PathBuf {
-    let text = fs::read_to_string(Path::new(WORKSPACE).join("scenarios/scara/pick_cube.toml")).unwrap();
+    changed(test, "scara/pick_cube.toml", change)
+}
+
+/// The same for another scenario of the SCARA.
+fn changed(test: &str, scenario: &str, change: impl Fn(String) -> String) -> PathBuf {
+    let text = fs::read_to_string(Path::new(WORKSPACE).join("scenarios").join(scenario)).unwrap();
     let cells = Path::new(WORKSPACE).canonicalize().unwrap().join("scenarios/_cells");
     let text = text.replace("../_cells", &cells.display().to_string());
     let folder = fresh_folder(test);
@@ -144,6 +149,68 @@ fn without_execution_its_expected_failures_do_not_count() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(text.contains("nothing was executed") && text.contains("not judged"), "{text}");
+}
+
+#[test]
+fn the_choice_of_the_grasp_is_shown_and_kept_in_the_log() {
+    let (output, out) = graspcheck("choice", &["run", "scara::pick_cube", "--no-simulate"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        text.contains("grasp   side x, elbow left, wrist turn 1; best of 144: 143 not faster\n"),
+        "{text}"
+    );
+    assert!(!text.contains("as fast as the chosen one"), "{text}");
+    let log = fs::read(out.join("scara/pick_cube/plan.mcap")).unwrap();
+    let recording = graspcheck_recording::from_bytes(&log).unwrap();
+    let kept = recording.attachments.iter().find(|document| document.name == "candidates.json").unwrap();
+    let kept: serde_json::Value = serde_json::from_slice(&kept.data).unwrap();
+    let ways = kept["candidates"].as_array().unwrap();
+    assert_eq!(ways.len(), 144);
+    assert_eq!((&ways[0]["outcome"], &ways[0]["handle"]), (&"chosen".into(), &"side x".into()));
+
+    let (output, _) = graspcheck("choice", &["run", "scara::pick_cube", "--no-simulate", "-v"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(
+        text.lines().filter(|line| line.contains(" elbow ") && line.contains("complete")).count(),
+        144
+    );
+
+    let (output, _) = graspcheck("choice", &["run", "negative::planned_collision", "--no-simulate"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("none is proved clear, the fastest of 144: 143 refuted"), "{text}");
+}
+
+#[test]
+fn a_failure_shows_where_it_began_and_where_it_is_worst() {
+    let (output, _) = graspcheck("began", &["run", "negative::weak_grip"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let slip = text.split("\nexecuted.slip").nth(1).unwrap().lines().nth(1).unwrap().to_owned();
+    assert!(slip.starts_with("  first  at t = 2.1") && slip.contains(" s, lift; last at t = "), "{slip}");
+    assert!(slip.contains("; worst at t = 3."), "{slip}");
+    let column = |line: &str, mark: &str| line.find(mark).map(|at| line[..at].chars().count());
+    let find = |mark: &str| text.lines().find_map(|line| column(line, mark)).unwrap();
+    assert!((find("├lift")..find("├carry")).contains(&find("▲ slip")), "{text}");
+    let last = text.lines().last().unwrap();
+    assert!(last.contains("; first at t = 2.1") && last.ends_with("executed.slip, lift"), "{last}");
+}
+
+#[test]
+fn the_least_duration_that_is_told_is_the_least() {
+    let changed = |duration: &str| {
+        changed("least", "negative/velocity_limit.toml", |text| {
+            text.replacen("duration_s = 0.507", &format!("duration_s = {duration}"), 1)
+        })
+    };
+    let run = |path: &Path| graspcheck("least", &["run", &path.display().to_string(), "--no-simulate"]).0;
+    let text = String::from_utf8_lossy(&run(&changed("0.4")).stdout).into_owned();
+    let told = text.split("try    [phase.swing] duration_s = ").nth(1).unwrap().split(':').next().unwrap();
+    let planned = |text: &str| text.lines().last().unwrap().starts_with("PASS");
+    let with = |duration: f64| {
+        let output = run(&changed(&format!("{duration:.3}")));
+        planned(&String::from_utf8_lossy(&output.stdout))
+    };
+    let told: f64 = told.parse().unwrap();
+    assert!(with(told) && !with(told - 0.001), "{told}: {text}");
 }
 
 #[test]

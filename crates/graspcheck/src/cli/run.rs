@@ -117,7 +117,7 @@ fn one_scenario(selected: &Selected, arguments: &RunArguments) -> u8 {
     if arguments.quiet == 1 && code == exit::AS_EXPECTED {
         println!("{NAME}{}{NAME:#}  {}", run.verdict.scenario, report::last_line(&run.verdict));
     } else if arguments.quiet < 2 {
-        print!("{}", report::page(&run.verdict, &scenario.resolved.title, &run.plan.phases));
+        print!("{}", report::page(&run, &scenario.resolved, arguments.verbose));
         eprintln!("  log    {}", stored.log.display());
         if let Some(rerun) = &stored.rerun {
             eprintln!("  rerun  {}", rerun.display());
@@ -192,7 +192,7 @@ fn summary(selected: &[Selected], ended: &[Ended], arguments: &RunArguments) -> 
             Ok((loaded, run, _)) => {
                 let is_good = run.verdict.as_expected || run.verdict.is_not_judged();
                 if !is_good && arguments.quiet < 2 {
-                    println!("\n{}", report::page(&run.verdict, &loaded.resolved.title, &run.plan.phases));
+                    println!("\n{}", report::page(run, &loaded.resolved, arguments.verbose));
                 }
             }
             Err((_, text)) => {

@@ -5,6 +5,7 @@
 //! ANSI styles and stripped by the printer where they are not wanted.
 
 mod candidates;
+mod cure;
 mod fault;
 mod quantity;
 mod sentence;

@@ -131,7 +131,7 @@ pub fn checks(verdict: &Verdict) -> String {
     table.lines().zip(styles).map(|(line, style)| format!("{style}{}{style:#}\n", line.trim_end())).collect()
 }
 
-/// The phases on a ruler of time, and below it a mark at each violation.
+/// The phases on a ruler of time, and below it a mark where each violation begins.
 #[must_use]
 pub fn strip(phases: &[Phase], results: &[CheckResult]) -> String {
     let Some(end) = phases.last().map(|phase| phase.end).filter(|end| *end > 0.0) else {
@@ -154,7 +154,10 @@ pub fn strip(phases: &[Phase], results: &[CheckResult]) -> String {
     let mut failing: Vec<(usize, String)> = results
         .iter()
         .filter(|result| result.outcome == Outcome::Fail)
-        .filter_map(|result| Some((column(result.time?.min(end)), format!("▲ {}", word(&result.check)))))
+        .filter_map(|result| {
+            let t = result.violated.map(|[first, _]| first).or(result.time)?;
+            Some((column(t.min(end)), format!("▲ {}", word(&result.check))))
+        })
         .collect();
     failing.sort();
     // Marks that would overlap go to further lines.
