@@ -265,9 +265,9 @@ impl<S: Real, const N: usize> Scalar for Jet<S, N> {
         for k in 1..N {
             let mut sin_sum = slope[k] * cos.coefficients[0];
             let mut cos_sum = slope[k] * sin.coefficients[0];
-            for j in 1..k {
-                sin_sum = sin_sum + slope[j] * cos.coefficients[k - j];
-                cos_sum = cos_sum + slope[j] * sin.coefficients[k - j];
+            for (j, &slope) in slope.iter().enumerate().take(k).skip(1) {
+                sin_sum = sin_sum + slope * cos.coefficients[k - j];
+                cos_sum = cos_sum + slope * sin.coefficients[k - j];
             }
             sin.coefficients[k] = sin_sum.over(k as f64);
             cos.coefficients[k] = -cos_sum.over(k as f64);

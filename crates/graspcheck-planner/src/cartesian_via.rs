@@ -12,22 +12,27 @@ use graspcheck_model::{
     inverse::{InverseSolution, PlanarWrist},
     object::Object,
     plan::{Holding, Phase, Plan},
+    planar_path::PlanarPath,
     robot::RobotModel,
     task::{CartesianVia, Pace},
 };
-use graspcheck_motion::Polynomial;
-use nalgebra::{Point2, Vector2, Vector3, Vector6};
+use graspcheck_motion::{Polynomial, Trajectory};
+use graspcheck_proof::deviation::Deviation;
+use nalgebra::Point2;
 
 use crate::{
     Planned,
     arm::Arm,
-    branch::{BranchFault, Located, ToolPath},
+    branch::{BranchFault, Located, Tracker},
     error::PlanError,
     input::check_number,
-    interpolation::{InterpolationError, Tolerance, ToolMotion, ToolState, interpolate},
     lfpb::{BlendEnds, Lfpb},
     opening::idle,
     pace::CheckedPace,
+    path::{
+        FollowedPath,
+        fit::{FitError, fit},
+    },
     retime,
 };
 
@@ -42,17 +47,17 @@ pub(crate) fn find(
     pace: &Pace,
 ) -> Result<Planned, PlanError> {
     let pace = CheckedPace::new(pace, &[PHASE])?;
-    let motion = WristMotion::new(robot, task)?;
-    let arm = Arm::new(robot).map_err(PlanError::NoInverse)?;
-    let tolerance = Tolerance { position: task.tolerance, angle: task.tolerance };
+    let tolerance = Deviation { position: task.tolerance, angle: task.tolerance };
     check_number("tolerance, m and rad", task.tolerance, task.tolerance > 0.0, "finite and positive")?;
-    let pose = |t: f64| motion.state(motion.piece_at(t), t).world_from_tool;
-    let path = ToolPath::new(&arm, 0.0, motion.duration(), &pose);
+    let wrist = wrist_motion(task)?;
+    let planar = PlanarPath::of_wrist(robot, &wrist).map_err(PlanError::NoInverse)?;
+    let arm = Arm::new(robot).map_err(PlanError::NoInverse)?;
+    let tracker = Tracker::new(&arm, &planar);
     let elbow = task.elbow;
     let mut farthest: Option<Located> = None;
     let mut branch = None;
-    for start in starts(&arm, task, &motion)? {
-        match path.follow(&start) {
+    for start in starts(&arm, task, &wrist)? {
+        match tracker.follow(&start) {
             Ok(found) => {
                 branch = Some(found);
                 break;
@@ -68,10 +73,12 @@ pub(crate) fn find(
         let Located { at, fault } = farthest.expect("there is at least one start, and following it failed");
         return Err(PlanError::Via { elbow, at, fault });
     };
-    let mut trajectory = interpolate(&arm, &motion, &branch, tolerance).map_err(|error| match error {
-        InterpolationError::Located(Located { at, fault }) => PlanError::Via { elbow, at, fault },
-        InterpolationError::Trajectory(error) => error.into(),
-    })?;
+    let followed = FollowedPath { planar, branch };
+    let mut trajectory =
+        fit(&arm, &followed, &time_itself(wrist.knots())?, tolerance).map_err(|error| match error {
+            FitError::Located(Located { at, fault }) => PlanError::Via { elbow, at, fault },
+            FitError::Trajectory(error) => error.into(),
+        })?;
     if let Some(duration) = pace.duration(PHASE) {
         trajectory = retime::lasting(&trajectory, duration)?;
     }
@@ -84,14 +91,17 @@ pub(crate) fn find(
 
 /// Legal joint positions at the first point on the asked branch: those whose angles add up to the literal
 /// tool angle first, then those that are turned least.
-fn starts(arm: &Arm, task: &CartesianVia, motion: &WristMotion) -> Result<Vec<Vec<f64>>, PlanError> {
+fn starts(arm: &Arm, task: &CartesianVia, wrist: &Trajectory) -> Result<Vec<Vec<f64>>, PlanError> {
     let elbow = task.elbow;
     let unreachable = |bound| PlanError::Via {
         elbow,
         at: 0.0,
-        fault: BranchFault::OutOfReach { until: motion.duration(), bound },
+        fault: BranchFault::OutOfReach { until: wrist.duration(), bound },
     };
-    let solutions = arm.inverse.solve(&motion.state(0, 0.0).world_from_tool).map_err(unreachable)?;
+    let first = wrist.eval(0.0).q;
+    let first = PlanarWrist { position: Point2::new(first[0], first[1]), theta: first[2] };
+    let world_from_tool = arm.robot.world_from_tool_at(&first).map_err(PlanError::NoInverse)?;
+    let solutions = arm.inverse.solve(&world_from_tool).map_err(unreachable)?;
     let (legal, illegal): (Vec<_>, Vec<_>) =
         solutions.into_iter().filter(|solution| solution.elbow == elbow).partition(InverseSolution::is_legal);
     if legal.is_empty() {
@@ -99,10 +109,13 @@ fn starts(arm: &Arm, task: &CartesianVia, motion: &WristMotion) -> Result<Vec<Ve
         let least = violations.min_by(|a, b| a.excess.total_cmp(&b.excess));
         let least =
             least.expect("the inverse kinematics lists every branch, and illegal ones with violations");
-        return Err(PlanError::ViaStart { elbow, reason: arm.limit_fault(least.joint, least.value) });
+        let joint = arm.robot.joints[least.joint].name.clone();
+        let (value, limit, excess) = (least.value, least.limit, least.excess);
+        let reason = BranchFault::Limit { joint, value, limit, excess, hole: None };
+        return Err(PlanError::ViaStart { elbow, reason });
     }
     let mut starts: Vec<Vec<f64>> = legal.into_iter().map(|solution| solution.q).collect();
-    let theta = task.points[0].theta - motion.theta_zero;
+    let theta = task.points[0].theta - arm.inverse.geometry().tool_angle_zero();
     let rank = |q: &[f64]| {
         // A whole turn is 2π; what is below a tenth of it is rounding.
         let misses_theta = (q.iter().sum::<f64>() - theta).abs() > 0.1;
@@ -115,98 +128,37 @@ fn starts(arm: &Arm, task: &CartesianVia, motion: &WristMotion) -> Result<Vec<Ve
     Ok(starts)
 }
 
-/// The motion of wrist and tool angle, from time 0.
-struct WristMotion<'a> {
-    robot: &'a RobotModel,
-    knots: Vec<f64>,
-    /// x, y and theta on each interval, in local time.
-    pieces: Vec<[Polynomial; 3]>,
-    /// From the wrist to the tool's origin, in a frame at the wrist along the tool angle, base's x-y plane, m.
-    tool_from_wrist: Vector2<f64>,
-    /// Tool angle when all joints are at 0, rad.
-    theta_zero: f64,
-}
-
-impl<'a> WristMotion<'a> {
-    fn new(robot: &'a RobotModel, task: &CartesianVia) -> Result<Self, PlanError> {
-        let times: Vec<f64> = task.points.iter().map(|point| point.t).collect();
-        let blends = vec![task.blend; times.len()];
-        let coordinate = |of: &dyn Fn(usize) -> f64| {
-            let values: Vec<f64> = (0..times.len()).map(of).collect();
-            Lfpb::with_blend_times(&times, &values, &blends, BlendEnds::Inside)
-        };
-        let x = coordinate(&|k| task.points[k].wrist.x)?;
-        let y = coordinate(&|k| task.points[k].wrist.y)?;
-        let theta = coordinate(&|k| task.points[k].theta)?;
-        // The pieces follow from times and blends alone, so they are the same for all coordinates.
-        let starts = x.pieces().iter().map(|(start, _)| *start);
-        let ends = starts.clone().skip(1).chain([x.end()]);
-        let mut knots = vec![0.0];
-        let mut pieces = Vec::new();
-        for (index, (start, end)) in starts.zip(ends).enumerate() {
-            let at_start = [&x, &y, &theta].map(|coordinate| coordinate.pieces()[index].1);
-            pieces.push(at_start);
-            // The instant of a point is a knot too, so that what the point is missed by is exact.
-            if let Some(t) = times.iter().find(|&&t| start < t && t < end) {
-                knots.push(t - x.start());
-                pieces.push(at_start.map(|polynomial| polynomial.shifted(t - start)));
-            }
-            knots.push(end - x.start());
+/// The motion of the wrist, from time 0: x, y (m) and theta (rad) as three "joints".
+fn wrist_motion(task: &CartesianVia) -> Result<Trajectory, PlanError> {
+    let times: Vec<f64> = task.points.iter().map(|point| point.t).collect();
+    let blends = vec![task.blend; times.len()];
+    let coordinate = |of: &dyn Fn(usize) -> f64| {
+        let values: Vec<f64> = (0..times.len()).map(of).collect();
+        Lfpb::with_blend_times(&times, &values, &blends, BlendEnds::Inside)
+    };
+    let x = coordinate(&|k| task.points[k].wrist.x)?;
+    let y = coordinate(&|k| task.points[k].wrist.y)?;
+    let theta = coordinate(&|k| task.points[k].theta)?;
+    // The pieces follow from times and blends alone, so they are the same for all coordinates.
+    let starts = x.pieces().iter().map(|(start, _)| *start);
+    let ends = starts.clone().skip(1).chain([x.end()]);
+    let mut knots = vec![0.0];
+    let mut pieces = Vec::new();
+    for (index, (start, end)) in starts.zip(ends).enumerate() {
+        let at_start = [&x, &y, &theta].map(|coordinate| coordinate.pieces()[index].1);
+        pieces.extend(at_start);
+        // The instant of a point is a knot too, so that what the point is missed by is exact.
+        if let Some(t) = times.iter().find(|&&t| start < t && t < end) {
+            knots.push(t - x.start());
+            pieces.extend(at_start.map(|polynomial| polynomial.shifted(t - start)));
         }
-        let no_inverse = PlanError::NoInverse;
-        let theta_zero = robot.planar_wrist(&vec![0.0; robot.dof()]).map_err(no_inverse)?.theta;
-        let at_origin = PlanarWrist { position: Point2::origin(), theta: 0.0 };
-        let world_from_tool = robot.world_from_tool_at(&at_origin).map_err(no_inverse)?;
-        let base_from_tool = robot.world_from_base.inv_mul(&world_from_tool);
-        let tool_from_wrist = base_from_tool.translation.vector.xy();
-        Ok(Self { robot, knots, pieces, tool_from_wrist, theta_zero })
+        knots.push(end - x.start());
     }
-
-    fn duration(&self) -> f64 {
-        self.knots[self.knots.len() - 1]
-    }
-
-    fn piece_at(&self, t: f64) -> usize {
-        self.knots.partition_point(|&knot| knot <= t).clamp(1, self.pieces.len()) - 1
-    }
-
-    /// Vector of the world for one in the base's x-y plane.
-    fn in_world(&self, planar: Vector2<f64>) -> Vector3<f64> {
-        self.robot.world_from_base.rotation * planar.push(0.0)
-    }
+    Ok(Trajectory::new(3, knots, pieces)?)
 }
 
-impl ToolMotion for WristMotion<'_> {
-    fn knots(&self) -> &[f64] {
-        &self.knots
-    }
-
-    fn place(&self, _piece: usize, t: f64) -> f64 {
-        t
-    }
-
-    /// The tool's origin is the wrist plus a vector r of fixed length that turns with theta, so that
-    /// `v = ẇ + θ̇ r⊥` and `a = ẅ + θ̈ r⊥ − θ̇² r`, r⊥ being r turned by a quarter turn.
-    fn state(&self, piece: usize, t: f64) -> ToolState {
-        let [x, y, theta] = self.pieces[piece].map(|polynomial| polynomial.eval(t - self.knots[piece]));
-        let wrist = PlanarWrist { position: Point2::new(x[0], y[0]), theta: theta[0] };
-        let world_from_tool =
-            self.robot.world_from_tool_at(&wrist).expect("the constructor has found the arm to be planar");
-        let r = nalgebra::Rotation2::new(theta[0]) * self.tool_from_wrist;
-        let across = Vector2::new(-r.y, r.x);
-        let velocity = self.in_world(Vector2::new(x[1], y[1]) + theta[1] * across);
-        let acceleration =
-            self.in_world(Vector2::new(x[2], y[2]) + theta[2] * across - theta[1] * theta[1] * r);
-        let axis = self.robot.world_from_base.rotation * Vector3::z();
-        ToolState {
-            world_from_tool,
-            twist: stacked(velocity, axis * theta[1]),
-            twist_rate: stacked(acceleration, axis * theta[2]),
-        }
-    }
-}
-
-/// Linear above angular.
-fn stacked(linear: Vector3<f64>, angular: Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+/// The law s(t) = t with knots at the given times.
+fn time_itself(knots: &[f64]) -> Result<Trajectory, PlanError> {
+    let pieces = knots[..knots.len() - 1].iter().map(|&t| Polynomial::new([t, 1.0])).collect();
+    Ok(Trajectory::new(1, knots.to_vec(), pieces)?)
 }

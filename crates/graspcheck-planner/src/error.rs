@@ -109,7 +109,7 @@ pub enum PlanError {
 }
 
 /// `left` or `right`.
-fn elbow_word(elbow: Elbow) -> &'static str {
+pub(crate) fn elbow_word(elbow: Elbow) -> &'static str {
     match elbow {
         Elbow::Left => "left",
         Elbow::Right => "right",

@@ -4,13 +4,13 @@
 //! makes the third from the first two. [`plan`] turns a task into the motion that is executed and checked.
 //!
 //! What follows a straight line of the tool is planned for the tool ([`cartesian`]) and turned into joint
-//! polynomials through the inverse kinematics ([`branch`], [`interpolation`]); everything else is planned
+//! polynomials through the inverse kinematics ([`branch`], [`path`]); everything else is planned
 //! in the joints, exactly ([`mod@joint_move`]). Units are SI and radians, frames as in [`graspcheck_model`].
 //!
 //! Symbols used as names: `q qd qdd qddd` are position, velocity, acceleration and jerk of the joints,
 //! `s sd sdd sddd` the path parameter and its derivatives in time, `q_s` a derivative by s.
 //!
-//! Reading order: [`time_scaling`], [`mod@joint_move`], [`lfpb`], [`branch`], [`interpolation`], [`cartesian`],
+//! Reading order: [`time_scaling`], [`joint_law`], [`mod@joint_move`], [`lfpb`], [`branch`], [`path`], [`cartesian`],
 //! [`retime`], [`pick_and_place`], [`candidate`], [`error`].
 
 mod arm;
@@ -18,15 +18,15 @@ pub mod branch;
 pub mod candidate;
 pub mod cartesian;
 mod cartesian_via;
-mod differential;
 pub mod error;
 mod input;
-pub mod interpolation;
+pub mod joint_law;
 pub mod joint_move;
 mod joint_segments;
 pub mod lfpb;
 pub mod opening;
 pub mod pace;
+pub mod path;
 pub mod pick_and_place;
 mod planned;
 pub mod retime;

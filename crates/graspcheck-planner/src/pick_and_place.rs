@@ -388,6 +388,9 @@ fn nearest_miss_first(mut rejected: Vec<Candidate>) -> Vec<Candidate> {
     let excess = |candidate: &Candidate| match &candidate.outcome {
         CandidateOutcome::Limit { excess, .. }
         | CandidateOutcome::Line { fault: BranchFault::Limit { excess, .. }, .. } => *excess,
+        CandidateOutcome::Line { fault: BranchFault::OtherBranch { value, limit, .. }, .. } => {
+            (value - limit).abs()
+        }
         _ => f64::INFINITY,
     };
     rejected.sort_by(|a, b| b.stage.cmp(&a.stage).then(excess(a).total_cmp(&excess(b))));

@@ -93,7 +93,7 @@ impl Stop {
         choice: BranchChoice,
     ) -> Result<Result<Reached, Rejected>, PlanError> {
         let line = |phase: &str, from: &[f64], goal: &Pose| {
-            let line = line_of(arm, from, goal, pace.share(phase), pace.duration(phase))?;
+            let line = line_of(arm, from, goal, pace.share(phase), pace.duration(phase))?.motion;
             let end = line.eval(line.duration()).q;
             Ok((line, end))
         };

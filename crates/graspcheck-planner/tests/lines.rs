@@ -7,10 +7,10 @@
 mod robots;
 
 use graspcheck_model::{Pose, inverse::Unreachable, robot::RobotModel, task::Elbow};
-use graspcheck_motion::Trajectory;
 use graspcheck_planner::{
     branch::BranchFault,
-    cartesian::{LineError, StraightLine, line},
+    cartesian::{LineError, line},
+    path::{PathMotion, ToolPath, line::straight_line},
 };
 use proptest::prelude::*;
 use robots::{pose, rrr, scara};
@@ -67,8 +67,10 @@ fn a_line_through_the_hole_is_located_on_both_sides() {
 #[test]
 fn a_line_that_touches_the_singular_circle_changes_branch() {
     let (at, fault) = fault(&free_rrr(), (-3.0, 1.0), (3.0, 1.0));
-    assert_eq!(fault, BranchFault::BranchChange);
-    assert!((at - 0.5).abs() < 1e-5, "{at}");
+    let BranchFault::BranchChange { slope } = fault else { panic!("{fault}") };
+    // Near x = 0 it is cos q2 = -1 + x²/24, so that q2 passes π with slope 1/√12 rad/m.
+    assert!((slope - 1.0 / 12.0_f64.sqrt()).abs() < 1e-9, "{slope}");
+    assert!((at - 0.5).abs() < 1e-7, "{at}");
 }
 
 #[test]
@@ -100,7 +102,7 @@ fn a_quill_beyond_its_stroke_is_located() {
     let robot = scara();
     let from = [0.3, 1.0, -0.2, 2.0];
     let down = pose([0.0, 0.0, -0.2], [0.0; 3]) * robot.world_from_tool(&from);
-    let Err(LineError::Branch { at, fault: BranchFault::Limit { joint, value, limit, excess } }) =
+    let Err(LineError::Branch { at, fault: BranchFault::Limit { joint, value, limit, excess, .. } }) =
         line(&robot, &from, &down, 1.0, None)
     else {
         panic!("a quill cannot go to -0.4 m")
@@ -123,37 +125,25 @@ fn a_tilted_goal_is_out_of_reach() {
     assert!(matches!(bound, Unreachable::Tilted { .. }));
 }
 
-/// Largest distance (m) or angle (rad) between the tool on its way and the line. The law is not known here,
-/// so the tool is compared with the place on the line that it is nearest to, in both at once.
-fn deviation(robot: &RobotModel, motion: &Trajectory, path: &StraightLine) -> f64 {
-    let mut worst: f64 = 0.0;
-    for k in 0..=500 {
-        let t = (motion.duration() * f64::from(k) / 500.0).min(motion.duration());
-        let tool = robot.world_from_tool(&motion.eval(t).q);
-        let apart = |s: f64| {
-            let wanted = path.pose(s);
-            let distance = (tool.translation.vector - wanted.translation.vector).norm();
-            distance.max(tool.rotation.angle_to(&wanted.rotation))
-        };
-        // The larger of two convex functions of s is convex.
-        let (mut a, mut b) = (-0.01, 1.01);
-        while b - a > 1e-9 {
-            let (c, d) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
-            if apart(c) < apart(d) {
-                b = d;
-            } else {
-                a = c;
-            }
-        }
-        worst = worst.max(apart(a));
+/// Largest distance (m) and angle (rad) between the tool and where the law wants it on the path, sampled.
+fn deviation(robot: &RobotModel, found: &PathMotion, path: &ToolPath) -> (f64, f64) {
+    let mut worst = (0.0_f64, 0.0_f64);
+    let samples = 40 * found.motion.piece_count() as u32;
+    for k in 0..=samples {
+        let t = (found.motion.duration() * f64::from(k) / f64::from(samples)).min(found.motion.duration());
+        let tool = robot.world_from_tool(&found.motion.eval(t).q);
+        let s = found.law.eval(t.min(found.law.duration())).q[0].clamp(path.start(), path.end());
+        let wanted = path.pose(s);
+        worst.0 = worst.0.max((tool.translation.vector - wanted.translation.vector).norm());
+        worst.1 = worst.1.max(tool.rotation.angle_to(&wanted.rotation));
     }
     worst
 }
 
 /// What holds of every line, whatever the arm.
 fn check_line(robot: &RobotModel, from: &[f64], goal: &Pose, share: f64) -> Result<(), TestCaseError> {
-    let motion = match line(robot, from, goal, share, None) {
-        Ok(motion) => motion,
+    let found = match line(robot, from, goal, share, None) {
+        Ok(found) => found,
         // The arm cannot follow every line that can be drawn.
         Err(LineError::Branch { at, .. }) => {
             prop_assert!((0.0..=1.0).contains(&at));
@@ -161,6 +151,7 @@ fn check_line(robot: &RobotModel, from: &[f64], goal: &Pose, share: f64) -> Resu
         }
         Err(other) => return Err(TestCaseError::fail(other.to_string())),
     };
+    let motion = &found.motion;
     prop_assert!(motion.breaks().is_empty(), "{:?}", motion.breaks());
     let (start, end) = (motion.eval(0.0), motion.eval(motion.duration()));
     for (joint, &from) in from.iter().enumerate() {
@@ -171,8 +162,14 @@ fn check_line(robot: &RobotModel, from: &[f64], goal: &Pose, share: f64) -> Resu
     let arrived = robot.world_from_tool(&end.q);
     prop_assert!((arrived.translation.vector - goal.translation.vector).norm() < 1e-9);
     prop_assert!(arrived.rotation.angle_to(&goal.rotation) < 1e-9);
-    let deviation = deviation(robot, &motion, &StraightLine::new(&robot.world_from_tool(from), goal));
-    prop_assert!(deviation < 1.1e-5, "{deviation}");
+    let path = straight_line(&robot.world_from_tool(from), goal).unwrap();
+    let (distance, angle) = deviation(robot, &found, &path);
+    let bound = found.deviation();
+    prop_assert!(bound.position <= 1e-5 && bound.angle <= 1e-5, "{bound:?}");
+    prop_assert!(distance <= bound.position, "{distance} beyond the proved {bound:?}");
+    // An angle between quaternions is rounded to the root of their rounding.
+    prop_assert!(angle <= bound.angle.max(1e-7), "{angle} beyond the proved {bound:?}");
+    prop_assert!(bound.position < 3.0 * distance + 1e-11, "{distance} far below the proved {bound:?}");
     let mut used: f64 = 0.0;
     for (joint, limits) in robot.joints.iter().map(|joint| joint.limits).enumerate() {
         for (order, limit) in [(1, limits.velocity), (2, limits.acceleration), (3, limits.jerk)] {
@@ -229,10 +226,11 @@ fn a_line_takes_few_pieces() {
         let start = robot.inverse(&pose([0.3, -0.15, 0.2], [0.0, std::f64::consts::FRAC_PI_2, 0.0])).unwrap();
         let start = start.into_iter().find(|solution| solution.is_legal() && solution.turn == 1).unwrap().q;
         let goal = pose([0.0, length, 0.0], [0.0; 3]) * robot.world_from_tool(&start);
-        let motion = line(&robot, &start, &goal, 1.0, None).unwrap();
-        let path = StraightLine::new(&robot.world_from_tool(&start), &goal);
-        println!("{length} m: {} pieces, {:.2e} m", motion.piece_count(), deviation(&robot, &motion, &path));
-        assert!(motion.piece_count() <= most, "{length} m: {} pieces", motion.piece_count());
+        let found = line(&robot, &start, &goal, 1.0, None).unwrap();
+        let path = straight_line(&robot.world_from_tool(&start), &goal).unwrap();
+        let (pieces, proved) = (found.motion.piece_count(), found.deviation().position);
+        println!("{length} m: {pieces} pieces, {:.2e} m of {proved:.2e}", deviation(&robot, &found, &path).0);
+        assert!(pieces <= most, "{length} m: {pieces} pieces");
     }
 }
 
@@ -241,7 +239,7 @@ fn a_turn_of_the_wrist_alone_is_exact() {
     let robot = scara();
     let from = [0.3, 1.0, -0.2, 2.0];
     let goal = robot.world_from_tool(&from) * pose([0.0; 3], [0.7, 0.0, 0.0]);
-    let motion = line(&robot, &from, &goal, 1.0, None).unwrap();
+    let motion = line(&robot, &from, &goal, 1.0, None).unwrap().motion;
     let end = motion.eval(motion.duration()).q;
     assert_eq!(end[..3], from[..3]);
     assert!((end[3] - (2.0 - 0.7)).abs() < 1e-12, "{}", end[3]);
@@ -255,7 +253,7 @@ fn a_duration_is_exact() {
     let robot = scara();
     let from = [0.3, 1.0, -0.2, 2.0];
     let goal = pose([-0.03, 0.05, 0.0], [0.0; 3]) * robot.world_from_tool(&from);
-    let motion = line(&robot, &from, &goal, 1.0, Some(0.777)).unwrap();
+    let motion = line(&robot, &from, &goal, 1.0, Some(0.777)).unwrap().motion;
     assert_eq!(motion.duration(), 0.777);
     assert!(line(&robot, &from, &goal, 1.0, Some(0.0)).is_err());
     assert!(line(&robot, &from, &goal, 0.0, None).is_err());

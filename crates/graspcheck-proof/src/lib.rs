@@ -17,6 +17,7 @@ pub mod certificate;
 pub mod certify;
 mod chain;
 pub mod contact;
+pub mod deviation;
 mod displacement;
 mod error;
 #[cfg(test)]

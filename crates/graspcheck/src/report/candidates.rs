@@ -189,13 +189,16 @@ fn outcome(outcome: &CandidateOutcome, robot: &RobotModel) -> String {
         CandidateOutcome::Limit { joint, value, limit, excess } => {
             beyond(joint, *value, *limit, *excess, robot)
         }
-        CandidateOutcome::Line { fault: BranchFault::Limit { joint, value, limit, excess }, .. } => {
+        CandidateOutcome::Line { fault: BranchFault::Limit { joint, value, limit, excess, .. }, .. } => {
             beyond(joint, *value, *limit, *excess, robot)
         }
         CandidateOutcome::Line {
-            fault: BranchFault::NearSingular { .. } | BranchFault::BranchChange,
+            fault: BranchFault::NearSingular { .. } | BranchFault::BranchChange { .. },
             ..
         } => "the arm is nearly straight or folded on the way".to_owned(),
+        CandidateOutcome::Line { fault: BranchFault::OtherBranch { joint, value, limit, .. }, .. } => {
+            beyond(joint, *value, *limit, (value - limit).abs(), robot)
+        }
         CandidateOutcome::Line { at, fault: BranchFault::OutOfReach { .. } } => {
             format!("out of reach from {:.0} % of the way", at * 100.0)
         }
