@@ -116,3 +116,30 @@ pub struct PhasePace {
     /// Exact duration, s: the same law, stretched or compressed in time, even past the limits.
     pub duration: Option<f64>,
 }
+
+/// How position follows time between two states of rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TimeLaw {
+    /// Seven phases of constant jerk: the fastest under limits on velocity, acceleration and jerk.
+    #[default]
+    SCurve,
+    /// One polynomial of degree five: keeps the same limits, and has no jumps of acceleration either.
+    Quintic,
+    /// One polynomial of degree three: its acceleration jumps at both ends.
+    Cubic,
+    /// Constant acceleration, cruise, constant deceleration: its acceleration jumps at every corner, and no
+    /// jerk limit is looked at.
+    Trapezoid,
+}
+
+/// What the joints of a move have in common.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sync {
+    /// One law of time, so that the path is straight in joint space.
+    #[default]
+    Straight,
+    /// The end: each joint has its own law, and the path is not straight. The slowest joint sets the time.
+    EndTimes,
+}

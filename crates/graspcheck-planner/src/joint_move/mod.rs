@@ -1,83 +1,68 @@
-//! Straight moves in joint space (field word: PTP, synchronised).
+//! Moves in joint space from rest to rest (field word: PTP).
 //!
-//! All joints share one law of time, so that the path `q(s) = q₀ + (q₁ - q₀) s` is straight whatever the
-//! limits are. The law is the S-curve that keeps the limits of every joint; it can take longer than any
-//! joint would alone.
+//! Joints share either one law of time or only its end:
+//!
+//! - **Straight** ([`Sync::Straight`], field words: synchronised, phase synchronisation). One law, so that the
+//!   path `q(s) = q₀ + (q₁ - q₀) s` is straight whatever the limits are. With s from 0 to 1 the limits of the
+//!   joints limit the law to `V_s = min V_j/D_j`, and alike for acceleration and jerk, D_j being the distance of
+//!   joint j. It can take longer than any joint would alone.
+//! - **End times** ([`Sync::EndTimes`], field word: time synchronisation). Each joint has its own law; the slowest
+//!   sets the duration T, and the laws of the others are stretched to exactly T. The path is not straight.
+//!
+//! With (V, A) = (0.6, 10) and (10, 1) and 1 rad for both, trapezoids take 1.7267 s and 2 s alone, 2 s with
+//! matched end times, and 2.2667 s on the straight path (worked examples, section 3).
 
-use graspcheck_model::robot::JointLimits;
-use graspcheck_motion::{Polynomial, Trajectory, TrajectoryError};
+use graspcheck_model::{
+    robot::JointLimits,
+    task::{Sync, TimeLaw},
+};
+use graspcheck_motion::{Polynomial, Trajectory};
 
-use crate::time_scaling::{ScalingError, TimeScaling};
+use crate::{
+    joint_law::{JointLaw, together},
+    time_scaling::{ScalingError, TimeScaling},
+};
 
-/// The least duration of a move, s: shorter ones, also those of length zero, are stretched to it.
+mod error;
+
+pub use error::JointMoveError;
+
+/// The least duration of a move that is given none, s: shorter ones, also those of length zero, are stretched to
+/// it, so that they use less than their limits.
 ///
 /// The reason: floats near 1000 s lie 1e-13 s apart, and the seven phases of a move must stay apart when
 /// motions are joined. No control cycle is as short.
 pub const SHORTEST_MOVE: f64 = 1e-6;
 
-/// Why there is no straight move.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum JointMoveError {
-    /// Start, end and limits are not of the same joints.
-    #[error("a move needs a start, an end and limits for each joint, got {from}, {to} and {limits}")]
-    JointCount {
-        /// How many positions the start has.
-        from: usize,
-        /// How many positions the end has.
-        to: usize,
-        /// How many joints have limits.
-        limits: usize,
-    },
-    /// A position is NaN or infinite, or start and end are too far apart for a float.
-    #[error("joint {joint}: the move from {from} to {to} is not finite")]
-    NotFinite {
-        /// Index of the joint.
-        joint: usize,
-        /// Where it starts, rad or m.
-        from: f64,
-        /// Where it ends, rad or m.
-        to: f64,
-    },
-    /// A limit is not a positive finite number.
-    #[error("joint {joint}: {quantity} limit {value} must be a positive finite number")]
-    Limit {
-        /// Index of the joint.
-        joint: usize,
-        /// `velocity`, `acceleration` or `jerk`.
-        quantity: &'static str,
-        /// What was given, SI units.
-        value: f64,
-    },
-    /// The share of the limits is not within (0, 1].
-    #[error("share {share} of the limits must be above 0 and at most 1")]
-    Share {
-        /// What was given.
-        share: f64,
-    },
-    /// The requested duration is not a positive finite number.
-    #[error("duration {duration} s must be a positive finite number")]
-    Duration {
-        /// What was given, s.
-        duration: f64,
-    },
-    /// There is no law of time.
-    #[error(transparent)]
-    Scaling(#[from] ScalingError),
-    /// The pieces do not make a motion.
-    #[error(transparent)]
-    Trajectory(#[from] TrajectoryError),
+/// How fast a move goes, and by which law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pacing {
+    /// Share of the limits that is used, 0 < share ≤ 1.
+    pub share: f64,
+    /// Exact duration, s: the same law stretched or compressed in time, also where that exceeds limits. Without
+    /// one the move takes the least time.
+    pub duration: Option<f64>,
+    /// How position follows time.
+    pub law: TimeLaw,
+    /// What the joints have in common.
+    pub sync: Sync,
 }
 
-/// The straight move in joint space from rest at `from` to rest at `to`, rad or m.
+impl Default for Pacing {
+    /// The fastest S-curve along the straight line under the full limits.
+    fn default() -> Self {
+        Self { share: 1.0, duration: None, law: TimeLaw::default(), sync: Sync::default() }
+    }
+}
+
+/// The straight move in joint space from rest at `from` to rest at `to`, rad or m, by an S-curve.
 ///
 /// Without a `duration` it takes the least time under `share` of the velocity, acceleration and jerk limits
-/// of every joint. With s from 0 to 1 those limit the common law to `V_s = min V_j/D_j`, and alike for
-/// acceleration and jerk, D_j being the distance of joint j. With a `duration`, s, it is the same law in
-/// exactly this time, also where that exceeds limits: it is for the checks to say so. Position limits are
-/// not looked at.
+/// of every joint. With a `duration`, s, it is the same law in exactly this time, also where that exceeds
+/// limits: it is for the checks to say so. Position limits are not looked at.
 ///
-/// A move of length zero is a rest, as is one below the smallest normal float (2e-308). Moves shorter than [`SHORTEST_MOVE`] are stretched to it unless a
-/// duration is asked for.
+/// A move of length zero is a rest, as is one below the smallest normal float (2e-308). Moves shorter than
+/// [`SHORTEST_MOVE`] are stretched to it unless a duration is asked for.
 ///
 /// # Errors
 /// When the numbers of joints differ or are zero, a number is not finite, a limit or the duration is not
@@ -89,45 +74,126 @@ pub fn joint_move(
     share: f64,
     duration: Option<f64>,
 ) -> Result<Trajectory, JointMoveError> {
-    check(from, to, limits, share, duration)?;
-    // The law runs over the longest distance of a joint rather than over 1, so that tiny moves are as well
-    // scaled as large ones.
+    joint_move_by(from, to, limits, Pacing { share, duration, ..Pacing::default() })
+}
+
+/// As [`joint_move`], by any law of time and with the joints synchronised as asked.
+///
+/// A cubic keeps the jerk limit inside, a trapezoid knows none: the acceleration of both jumps.
+///
+/// ```
+/// use graspcheck_model::{robot::JointLimits, task::{Sync, TimeLaw}};
+/// use graspcheck_planner::joint_move::{Pacing, joint_move_by};
+///
+/// let limits = [(0.6, 10.0), (10.0, 1.0)].map(|(velocity, acceleration)| JointLimits {
+///     position_min: -9.0, position_max: 9.0, velocity, acceleration, jerk: 100.0, effort: 1.0,
+/// });
+/// let duration = |sync| {
+///     let pacing = Pacing { law: TimeLaw::Trapezoid, sync, ..Pacing::default() };
+///     joint_move_by(&[0.0, 0.0], &[1.0, 1.0], &limits, pacing).map(|motion| motion.duration())
+/// };
+/// assert!((duration(Sync::Straight)? - 34.0 / 15.0).abs() < 1e-12);
+/// assert!((duration(Sync::EndTimes)? - 2.0).abs() < 1e-12);
+/// # Ok::<(), graspcheck_planner::joint_move::JointMoveError>(())
+/// ```
+///
+/// # Errors
+/// As [`joint_move`].
+pub fn joint_move_by(
+    from: &[f64],
+    to: &[f64],
+    limits: &[JointLimits],
+    pacing: Pacing,
+) -> Result<Trajectory, JointMoveError> {
+    check(from, to, limits, pacing)?;
     let longest = from.iter().zip(to).fold(0.0, |longest: f64, (a, b)| longest.max((b - a).abs()));
     if longest < f64::MIN_POSITIVE {
-        return Ok(Trajectory::hold(to, duration.unwrap_or(SHORTEST_MOVE))?);
+        return Ok(Trajectory::hold(to, pacing.duration.unwrap_or(SHORTEST_MOVE))?);
     }
-    let ratios: Vec<f64> = from.iter().zip(to).map(|(a, b)| (b - a) / longest).collect();
-    let shared = |limit: fn(&JointLimits) -> f64| {
-        let of_joint = |(joint, ratio): (&JointLimits, &f64)| share * limit(joint) / ratio.abs();
+    match pacing.sync {
+        Sync::Straight => straight(from, to, limits, longest, pacing),
+        Sync::EndTimes => with_matched_ends(from, to, limits, pacing),
+    }
+}
+
+/// One law for all joints. It runs over the longest distance of a joint rather than over 1, so that tiny moves
+/// are as well scaled as large ones.
+fn straight(
+    from: &[f64],
+    to: &[f64],
+    limits: &[JointLimits],
+    longest: f64,
+    Pacing { share, duration, law, .. }: Pacing,
+) -> Result<Trajectory, JointMoveError> {
+    let mut shared = [f64::INFINITY; 3];
+    for ((a, b), limits) in from.iter().zip(to).zip(limits) {
+        let ratio = (b - a).abs() / longest;
+        let own = [limits.velocity, limits.acceleration, limits.jerk];
         // A joint that does not move gives infinity, which is no limit.
-        limits.iter().zip(&ratios).map(of_joint).fold(f64::INFINITY, f64::min)
-    };
-    let mut law = TimeScaling::s_curve(
-        longest,
-        shared(|j| j.velocity),
-        shared(|j| j.acceleration),
-        shared(|j| j.jerk),
-    )?;
-    if duration.is_some() || law.duration() < SHORTEST_MOVE {
-        law = law.stretched_to(duration.unwrap_or(SHORTEST_MOVE))?;
+        shared = std::array::from_fn(|order| shared[order].min(share * own[order] / ratio));
     }
-    along_straight_line(from, to, &ratios, &law)
+    let mut scaling = scaling(law, longest, shared)?;
+    if duration.is_some() || scaling.duration() < SHORTEST_MOVE {
+        scaling = scaling.stretched_to(duration.unwrap_or(SHORTEST_MOVE))?;
+    }
+    along_straight_line(from, to, &scaling)
+}
+
+/// Each joint by its own law, all in the time of the slowest.
+fn with_matched_ends(
+    from: &[f64],
+    to: &[f64],
+    limits: &[JointLimits],
+    Pacing { share, duration, law, .. }: Pacing,
+) -> Result<Trajectory, JointMoveError> {
+    let mut slowest = SHORTEST_MOVE;
+    let mut scalings = Vec::with_capacity(from.len());
+    for ((a, b), limits) in from.iter().zip(to).zip(limits) {
+        let distance = (b - a).abs();
+        let own = [limits.velocity, limits.acceleration, limits.jerk].map(|limit| share * limit);
+        let scaling = if distance < f64::MIN_POSITIVE { None } else { Some(scaling(law, distance, own)?) };
+        slowest = scaling.as_ref().map_or(slowest, |scaling| slowest.max(scaling.duration()));
+        scalings.push(scaling);
+    }
+    let duration = duration.unwrap_or(slowest);
+    let mut laws = Vec::with_capacity(from.len());
+    for ((&from, &to), scaling) in from.iter().zip(to).zip(&scalings) {
+        laws.push(match scaling {
+            Some(scaling) => JointLaw::along(from, to, &scaling.stretched_to(duration)?)?,
+            None => JointLaw::rest(to, duration)?,
+        });
+    }
+    Ok(together(&laws)?)
+}
+
+/// The fastest law of a kind over a distance, under limits on velocity, acceleration and jerk.
+///
+/// # Errors
+/// When a number is not positive and finite, or a coefficient overflows.
+pub(crate) fn scaling(
+    law: TimeLaw,
+    distance: f64,
+    [velocity, acceleration, jerk]: [f64; 3],
+) -> Result<TimeScaling, ScalingError> {
+    match law {
+        TimeLaw::SCurve => TimeScaling::s_curve(distance, velocity, acceleration, jerk),
+        TimeLaw::Quintic => TimeScaling::quintic(distance, velocity, acceleration, jerk),
+        TimeLaw::Cubic => TimeScaling::cubic(distance, velocity, acceleration, jerk),
+        TimeLaw::Trapezoid => TimeScaling::trapezoid(distance, velocity, acceleration),
+    }
 }
 
 /// The law composed with the straight line, exactly: `q = q₀ + r s`, with the ratio r of a joint's distance
 /// to the distance of the law.
-fn along_straight_line(
-    from: &[f64],
-    to: &[f64],
-    ratios: &[f64],
-    law: &TimeScaling,
-) -> Result<Trajectory, JointMoveError> {
-    let pieces = law.pieces();
-    let knots = pieces.iter().map(|(start, _)| *start).chain([law.duration()]).collect();
-    let mut polynomials = Vec::with_capacity(pieces.len() * from.len());
-    for (_, s) in &pieces {
+fn along_straight_line(from: &[f64], to: &[f64], law: &TimeScaling) -> Result<Trajectory, JointMoveError> {
+    let pieces = law.pieces_in_place();
+    let mut knots = Vec::with_capacity(pieces.starts().len() + 1);
+    let mut polynomials = Vec::with_capacity(pieces.starts().len() * from.len());
+    for (start, s) in pieces.iter() {
+        knots.push(start);
         let s_start = s.coefficients()[0];
-        for ((&from, &to), &ratio) in from.iter().zip(to).zip(ratios) {
+        for (&from, &to) in from.iter().zip(to) {
+            let ratio = (to - from) / law.distance();
             let mut q = s.coefficients().map(|c| ratio * c);
             // Counted from the nearer end, so that rounding moves neither.
             q[0] = if s_start < 0.5 * law.distance() {
@@ -138,6 +204,7 @@ fn along_straight_line(
             polynomials.push(Polynomial::new(q));
         }
     }
+    knots.push(law.duration());
     Ok(Trajectory::new(from.len(), knots, polynomials)?)
 }
 
@@ -145,8 +212,7 @@ fn check(
     from: &[f64],
     to: &[f64],
     limits: &[JointLimits],
-    share: f64,
-    duration: Option<f64>,
+    Pacing { share, duration, .. }: Pacing,
 ) -> Result<(), JointMoveError> {
     if from.len() != to.len() || from.len() != limits.len() {
         return Err(JointMoveError::JointCount { from: from.len(), to: to.len(), limits: limits.len() });
