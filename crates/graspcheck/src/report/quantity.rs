@@ -77,40 +77,88 @@ pub fn quantity(value: f64, unit: Unit, rounding: Rounding) -> String {
     with_unit(&rounded(value * factor, decimals, rounding), symbol)
 }
 
-/// A value and its limit in the unit for people, with as many digits as it takes for them to differ.
+/// A value and its limit in the unit for people, with as many digits as it takes for them to differ, and in
+/// the right order.
 #[must_use]
 pub fn against(value: f64, limit: f64, unit: Unit, rounding: Rounding) -> (String, String) {
-    if !(value.is_finite() && limit.is_finite()) {
-        return (quantity(value, unit, rounding), quantity(limit, unit, Rounding::Nearest));
-    }
-    let (symbol, factor, usual) = display(unit, value.abs().max(limit.abs()));
-    let (value, limit) = (value * factor, limit * factor);
-    let mut decimals = usual;
-    loop {
-        let (v, l) = (rounded(value, decimals, rounding), rounded(limit, decimals, Rounding::Nearest));
-        let told_apart = v != l || (value - limit).abs() <= f64::EPSILON * limit.abs();
-        if told_apart || decimals >= MOST_DECIMALS {
-            return (with_unit(&v, symbol), with_unit(&l, symbol));
-        }
-        decimals += 1;
+    match Shown::new(value, limit, unit, rounding) {
+        Some(shown) => (with_unit(&shown.value, shown.symbol), with_unit(&shown.limit, shown.symbol)),
+        None => (quantity(value, unit, rounding), quantity(limit, unit, Rounding::Nearest)),
     }
 }
 
+/// The room between a value and its limit, with its sign, as [`against`] shows both: the difference of the
+/// numbers that are read. It is never zero where they differ.
+///
+/// `room` is the margin itself, SI; where it is not what value and limit differ by, it is shown as by
+/// [`margin`].
+#[must_use]
+pub(super) fn margin_between(value: f64, limit: f64, room: f64, unit: Unit, rounding: Rounding) -> String {
+    let is_difference = ((value - limit).abs() - room.abs()).abs() <= 1e-9 * room.abs();
+    let Some(shown) = Shown::new(value, limit, unit, rounding).filter(|shown| is_difference && shown.differ)
+    else {
+        return margin(room, false, unit);
+    };
+    let difference = (as_read(&shown.value) - as_read(&shown.limit)).abs();
+    let sign = if room < 0.0 { "-" } else { "+" };
+    with_unit(&format!("{sign}{difference:.*}", shown.decimals), shown.symbol)
+}
+
+/// A value and its limit as digits.
+struct Shown {
+    value: String,
+    limit: String,
+    symbol: &'static str,
+    decimals: usize,
+    differ: bool,
+}
+
+impl Shown {
+    /// None when one is not finite.
+    fn new(value: f64, limit: f64, unit: Unit, rounding: Rounding) -> Option<Self> {
+        if !(value.is_finite() && limit.is_finite()) {
+            return None;
+        }
+        let (symbol, factor, usual) = display(unit, value.abs().max(limit.abs()));
+        let (value, limit) = (value * factor, limit * factor);
+        let are_equal = (value - limit).abs() <= f64::EPSILON * limit.abs();
+        let mut decimals = usual;
+        loop {
+            let (v, l) = (rounded(value, decimals, rounding), rounded(limit, decimals, Rounding::Nearest));
+            let differ = v != l;
+            let in_order = || (as_read(&v) < as_read(&l)) == (value < limit);
+            if are_equal || (differ && in_order()) || decimals >= MOST_DECIMALS {
+                return Some(Self { value: v, limit: l, symbol, decimals, differ });
+            }
+            decimals += 1;
+        }
+    }
+}
+
+/// The number that was written.
+fn as_read(digits: &str) -> f64 {
+    digits.parse().expect("a finite number was written with digits")
+}
+
 /// A margin with its sign: a share of the limit in percent, or a length, angle or count in its unit.
+///
+/// Room that is left is never shown larger than it is. An excess is shown to the nearest, and never as
+/// nothing.
 #[must_use]
 pub fn margin(value: f64, is_share: bool, unit: Unit) -> String {
     if !value.is_finite() {
         return value.to_string();
     }
-    // A margin is room that is left: it is never shown larger than it is.
-    let (number, symbol) = if is_share {
-        (rounded(value * 100.0, 1, Rounding::Down), "%")
-    } else {
-        let (symbol, factor, decimals) = display(unit, value.abs());
-        (rounded(value * factor, decimals, Rounding::Down), symbol)
-    };
-    let sign = if number.starts_with('-') { "" } else { "+" };
-    with_unit(&format!("{sign}{number}"), symbol)
+    let (symbol, factor, usual) = if is_share { ("%", 100.0, 1) } else { display(unit, value.abs()) };
+    if value >= 0.0 {
+        return with_unit(&format!("+{}", rounded(value * factor, usual, Rounding::Down)), symbol);
+    }
+    let excess = |decimals| rounded(value * factor, decimals, Rounding::Nearest);
+    let tells = |decimals: &usize| excess(*decimals).starts_with('-');
+    match (usual..=MOST_DECIMALS).find(tells) {
+        Some(decimals) => with_unit(&excess(decimals), symbol),
+        None => format!("-{:.1e} {symbol}", -value * factor).trim_end().to_owned(),
+    }
 }
 
 /// An instant, s.
@@ -149,9 +197,57 @@ mod tests {
     #[test]
     fn margins_carry_a_sign_and_never_flatter() {
         assert_eq!(margin(0.1, true, Unit::One), "+10.0 %");
-        assert_eq!(margin(-0.0376, true, Unit::One), "-3.8 %");
+        assert_eq!(margin(0.0999, true, Unit::One), "+9.9 %");
         assert_eq!(margin(0.001_999, false, Unit::Meter), "+1.99 mm");
-        assert_eq!(margin(-0.000_931, false, Unit::Meter), "-0.94 mm");
+        assert_eq!(margin(0.0, false, Unit::Meter), "+0.00 mm");
+    }
+
+    #[test]
+    fn an_excess_is_shown_to_the_nearest_and_never_as_nothing() {
+        assert_eq!(margin(-0.0376, true, Unit::One), "-3.8 %");
+        assert_eq!(margin(-0.0371, true, Unit::One), "-3.7 %");
+        assert_eq!(margin(-0.000_931, false, Unit::Meter), "-0.93 mm");
+        assert_eq!(margin(-1e-5, true, Unit::One), "-0.001 %");
+        assert_eq!(margin(-4e-9, false, Unit::Meter), "-0.000004 mm");
+        assert_eq!(margin(-1e-15, false, Unit::Meter), "-1.0e-12 mm");
+        assert_eq!(margin(-1.0, false, Unit::Steps), "-1 steps");
+    }
+
+    /// Value, limit and margin as they are printed.
+    fn printed(value: f64, limit: f64, room: f64, unit: Unit, rounding: Rounding) -> [String; 3] {
+        let (shown, held) = against(value, limit, unit, rounding);
+        [shown, held, margin_between(value, limit, room, unit, rounding)]
+    }
+
+    #[test]
+    fn value_limit_and_margin_agree_as_they_are_read() {
+        let angle = 86.04_f64.to_radians();
+        let limit = 85.0_f64.to_radians();
+        assert_eq!(
+            printed(angle, limit, limit - angle, Unit::Radian, Rounding::Nearest),
+            ["86.0°", "85.0°", "-1.0°"]
+        );
+        let (value, limit) = (0.005_004, 0.005_996);
+        assert_eq!(
+            printed(value, limit, value - limit, Unit::Meter, Rounding::Nearest),
+            ["5.00 mm", "6.00 mm", "-1.00 mm"]
+        );
+        // A failure by 2 nm is told apart, and by how much.
+        assert_eq!(
+            printed(0.004_999_998, 0.005, -2e-9, Unit::Meter, Rounding::Nearest),
+            ["4.999998 mm", "5.000000 mm", "-0.000002 mm"]
+        );
+        // Rounded down, 5.006 would fall below 5.0055.
+        assert_eq!(
+            printed(0.005_006, 0.005_005_5, 5e-7, Unit::Meter, Rounding::Down),
+            ["5.0060 mm", "5.0055 mm", "+0.0005 mm"]
+        );
+        assert_eq!(
+            printed(-0.0005, -0.0005, 0.0, Unit::Meter, Rounding::Nearest),
+            ["-0.50 mm", "-0.50 mm", "+0.00 mm"]
+        );
+        let limit = f64::NAN;
+        assert_eq!(printed(1.0, limit, limit, Unit::Meter, Rounding::Nearest)[2], "NaN");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use graspcheck_verify::{CheckResult, Outcome};
 
-use super::quantity::{Rounding, against, instant, margin, quantity};
+use super::quantity::{Rounding, against, instant, margin, margin_between, quantity};
 
 /// The word of a check without the motion it judges: `jerk` of `planned.jerk`, `place angle` of
 /// `executed.place_angle`.
@@ -42,6 +42,18 @@ pub fn is_lower_limit(result: &CheckResult) -> bool {
     }
 }
 
+/// The margin of a finding with its sign, fitting the value and the limit that stand beside it.
+#[must_use]
+pub(super) fn room(result: &CheckResult) -> Option<String> {
+    let room = result.margin?;
+    Some(match (result.value, result.limit) {
+        (Some(value), Some(limit)) if !result.margin_is_share => {
+            margin_between(value, limit, room, result.unit, rounding(result))
+        }
+        _ => margin(room, result.margin_is_share, result.unit),
+    })
+}
+
 /// The finding as a sentence, e.g.
 /// `shoulder: jerk 41505 °/s³ exceeds 40000 °/s³ by 3.8 % at t = 1.529 s (carry)`.
 #[must_use]
@@ -54,11 +66,11 @@ pub fn sentence(result: &CheckResult) -> String {
     text.push_str(&word(&result.check));
     match (result.outcome, result.value, result.limit) {
         (Outcome::Fail, Some(value), Some(limit)) => {
+            let by = room(result).filter(|_| result.margin.is_some_and(|margin| margin < 0.0));
             let (value, limit) = against(value, limit, result.unit, rounding(result));
             let verb = if is_lower_limit(result) { "is below" } else { "exceeds" };
             text.push_str(&format!(" {value} {verb} {limit}"));
-            if let Some(m) = result.margin {
-                let by = margin(m, result.margin_is_share, result.unit);
+            if let Some(by) = by {
                 text.push_str(&format!(" by {}", by.trim_start_matches(['-', '+'])));
             }
         }
@@ -134,7 +146,7 @@ mod tests {
         };
         assert_eq!(
             sentence(&clearance),
-            "cube - wall: clearance 4.07 mm is below 5.00 mm by 0.94 mm at t = 1.529 s (lower)"
+            "cube - wall: clearance 4.07 mm is below 5.00 mm by 0.93 mm at t = 1.529 s (lower)"
         );
     }
 }

@@ -6,8 +6,8 @@ use graspcheck_model::plan::Phase;
 use graspcheck_verify::{Basis, CheckResult, Outcome, Verdict};
 
 use super::{
-    quantity::{against, instant, margin, quantity},
-    sentence::{is_lower_limit, motion, rounding, subject, word},
+    quantity::{against, instant, quantity},
+    sentence::{is_lower_limit, motion, room, rounding, subject, word},
 };
 
 /// A failing row or word.
@@ -83,7 +83,7 @@ pub fn words(result: &CheckResult) -> Words {
     Words {
         value: format!("{sign}{value}"),
         limit,
-        margin: result.margin.map_or_else(dash, |m| margin(m, result.margin_is_share, result.unit)),
+        margin: room(result).unwrap_or_else(dash),
         at: result.time.map_or_else(dash, instant),
         place,
         by: basis(result),
