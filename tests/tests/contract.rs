@@ -9,8 +9,8 @@
 use std::{path::Path, thread};
 
 use graspcheck::{Run, Silent, load, run_scenario};
-use graspcheck_recording::{from_bytes, to_bytes};
-use graspcheck_verify::{Evidence, Outcome, RESOLVED_JSON, Verdict, judge};
+use graspcheck_recording::{JointSeries, PoseSeries, Recording, from_bytes, to_bytes};
+use graspcheck_verify::{CERTIFICATE_JSON, Evidence, Outcome, PLAN_JSON, RESOLVED_JSON, Verdict, judge};
 
 /// One scenario of each arm, and one that must fail.
 const SCENARIOS: [&str; 3] =
@@ -64,4 +64,117 @@ fn a_log_whose_limits_were_changed_gives_another_verdict() {
     assert_eq!(verdict.outcome, Outcome::Fail);
     let failed: Vec<&str> = verdict.failed().map(|result| result.check.as_str()).collect();
     assert_eq!(failed, ["planned.velocity", "executed.velocity"]);
+}
+
+/// What the recording says after it was written and read again.
+fn reviewed(recording: &Recording) -> Verdict {
+    judge(&Evidence::from_recording(&from_bytes(&to_bytes(recording).unwrap()).unwrap()).unwrap())
+}
+
+/// A recording with one of its JSON documents edited.
+fn edited(recording: &Recording, name: &str, edit: impl FnOnce(&mut serde_json::Value)) -> Recording {
+    let mut recording = recording.clone();
+    let document = recording.attachments.iter_mut().find(|document| document.name == name).unwrap();
+    let mut content = serde_json::from_slice(&document.data).unwrap();
+    edit(&mut content);
+    document.data = serde_json::to_vec(&content).unwrap();
+    recording
+}
+
+fn add(number: &mut serde_json::Value, difference: f64) {
+    *number = (number.as_f64().unwrap() + difference).into();
+}
+
+fn failed(verdict: &Verdict) -> Vec<&str> {
+    verdict.failed().map(|result| result.check.as_str()).collect()
+}
+
+#[test]
+fn a_proof_that_was_edited_fails_and_nothing_else_does() {
+    let recording = run(SCENARIOS[0]).recording;
+    let edits: [fn(&mut serde_json::Value); 4] = [
+        |certificate| add(&mut certificate["pairs"][3]["leaves"][0]["gap"], 1e-6),
+        |certificate| add(&mut certificate["duration"], 1e-3),
+        |certificate| certificate["pairs"][0]["a"] = "another".into(),
+        |certificate| drop(certificate["pairs"].as_array_mut().unwrap().pop()),
+    ];
+    for (index, edit) in edits.into_iter().enumerate() {
+        let verdict = reviewed(&edited(&recording, CERTIFICATE_JSON, edit));
+        assert_eq!(failed(&verdict), ["planned.certificate"], "edit {index}");
+    }
+}
+
+#[test]
+fn a_plan_that_was_edited_is_not_the_one_that_was_proved_and_executed() {
+    let recording = run(SCENARIOS[0]).recording;
+    // The quill 5 mm lower, all the time.
+    let verdict = reviewed(&edited(&recording, PLAN_JSON, |plan| {
+        for piece in plan["trajectory"]["coefficients"].as_array_mut().unwrap() {
+            let quill = &mut piece[2];
+            add(&mut quill[0], -0.005);
+        }
+    }));
+    let failed = failed(&verdict);
+    for check in ["planned.certificate", "executed.tracking"] {
+        assert!(failed.contains(&check), "{failed:?}");
+    }
+    // A phase that begins 10 ms later: another instant from which contact is allowed.
+    let verdict = reviewed(&edited(&recording, PLAN_JSON, |plan| {
+        add(&mut plan["phases"][1]["end"], 0.01);
+        add(&mut plan["phases"][2]["start"], 0.01);
+    }));
+    assert!(verdict.failed().any(|result| result.check == "planned.certificate"));
+}
+
+/// A channel of the execution, how a log loses it, and the checks that read it.
+type Loss = (&'static str, fn(&mut Recording), &'static [&'static str]);
+
+/// A check reads the measured states also to know that the run went on.
+const LOSSES: [Loss; 6] = [
+    (
+        "measured",
+        |log| log.measured = JointSeries::new(std::mem::take(&mut log.measured.names)),
+        &["position", "velocity", "opening", "contacts", "grip"],
+    ),
+    (
+        "reference",
+        |log| log.reference = JointSeries::new(std::mem::take(&mut log.reference.names)),
+        &["torque", "saturation"],
+    ),
+    ("tool", |log| log.tool = without_rows(&log.tool), &["tracking", "slip"]),
+    (
+        "object",
+        |log| log.object = without_rows(&log.object),
+        &["grip", "slip", "place", "place_angle", "rest"],
+    ),
+    ("contacts", |log| log.contacts.clear(), &["contacts", "grip"]),
+    ("monitor", |log| log.monitor.clear(), &["contacts", "grip"]),
+];
+
+fn without_rows(series: &PoseSeries) -> PoseSeries {
+    PoseSeries { frame: series.frame.clone(), child: series.child.clone(), ..PoseSeries::default() }
+}
+
+#[test]
+fn a_log_that_lost_a_channel_is_undecided_wherever_that_channel_is_read() {
+    let run = run(SCENARIOS[0]);
+    for (channel, lose, readers) in LOSSES {
+        let mut log = run.recording.clone();
+        lose(&mut log);
+        let verdict = reviewed(&log);
+        for (result, complete) in verdict.checks.iter().zip(&run.verdict.checks) {
+            let reads = result.check.strip_prefix("executed.").is_some_and(|word| readers.contains(&word));
+            if reads {
+                assert_eq!(result.outcome, Outcome::Inconclusive, "{channel}: {}", result.check);
+            } else {
+                assert_eq!(result, complete, "{channel}");
+            }
+        }
+        assert!(!verdict.as_expected, "{channel}");
+    }
+    let read: Vec<&str> = LOSSES.iter().flat_map(|(.., readers)| readers.iter().copied()).collect();
+    for result in run.verdict.checks.iter().filter(|result| result.outcome == Outcome::Pass) {
+        let Some(word) = result.check.strip_prefix("executed.") else { continue };
+        assert!(read.contains(&word), "{}: no channel is lost that it reads", result.check);
+    }
 }
