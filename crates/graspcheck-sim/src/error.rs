@@ -1,5 +1,7 @@
 //! Why a simulation was refused or given up.
 
+use graspcheck_model::plan::PlanFault;
+
 /// Why a plan could not be executed.
 ///
 /// A plan that is executed badly (a joint that saturates, an arm that runs into a wall, an object that is
@@ -25,22 +27,9 @@ pub enum SimError {
         /// What it must be.
         requirement: &'static str,
     },
-    /// Plan and robot have different numbers of joints.
-    #[error("plan: {plan} joints do not fit robot {robot_name}, which has {robot}")]
-    JointCount {
-        /// Name of the robot.
-        robot_name: String,
-        /// Joints of the plan's trajectory.
-        plan: usize,
-        /// Joints of the robot.
-        robot: usize,
-    },
-    /// The plan's opening does not move exactly one joint.
-    #[error("plan: the gripper's opening has {count} joints, must be 1")]
-    OpeningJoints {
-        /// Joints of the opening.
-        count: usize,
-    },
+    /// The parts of the plan do not fit each other or the robot.
+    #[error("plan: {0}")]
+    Plan(#[from] PlanFault),
     /// The plan opens the gripper farther than it can or closes it beyond touching.
     #[error("plan: opening {opening} m at t = {time} s is not within 0 m and the gripper's {opening_max} m")]
     Opening {
@@ -64,9 +53,6 @@ pub enum SimError {
         /// When, s.
         time: f64,
     },
-    /// The plan has no phase.
-    #[error("plan: no phase; a plan needs at least one")]
-    NoPhase,
     /// The plan grasps, but there is nothing to grasp.
     #[error("plan: grasps at handle {handle}, but the run has no object")]
     GraspWithoutObject {

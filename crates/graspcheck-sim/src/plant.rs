@@ -28,8 +28,8 @@ use rapier3d::{
         MultibodyDofCoupling, MultibodyJointHandle, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
     },
     geometry::{
-        ColliderBuilder, ContactPair, ConvexPolyhedron, Group, InteractionGroups, InteractionTestMode,
-        SharedShape,
+        Collider, ColliderBuilder, ContactPair, ConvexPolyhedron, Group, InteractionGroups,
+        InteractionTestMode, SharedShape,
     },
     math::{Pose as RapierPose, Vector},
     pipeline::{ActiveHooks, PhysicsHooks, PhysicsWorld},
@@ -331,7 +331,7 @@ impl Plant {
         if quarantine.is_empty() {
             return None;
         }
-        let of_collider = |handle| self.world.colliders.get(handle).and_then(|collider| collider.parent());
+        let of_collider = |handle| self.world.colliders.get(handle).and_then(Collider::parent);
         let body = quarantine
             .bodies()
             .first()
@@ -571,7 +571,7 @@ fn collision_groups(robot: &RobotModel) -> Result<Vec<InteractionGroups>, SimErr
             _ if b == name => own(a),
             _ => None,
         });
-        let filter = partners.fold(Group::ALL, |filter, partner| filter.difference(partner));
+        let filter = partners.fold(Group::ALL, Group::difference);
         InteractionGroups::new(group, filter, InteractionTestMode::And)
     });
     Ok(groups.collect())
@@ -672,7 +672,7 @@ fn hull_thickness(hull: &ConvexPolyhedron) -> f64 {
         .iter()
         .enumerate()
         .flat_map(|(index, edge)| edges[..index].iter().map(move |other| edge.cross(*other)))
-        .filter_map(|normal| normal.try_normalize());
+        .filter_map(Vector::try_normalize);
     let normals = hull.faces().iter().map(|face| face.normal).chain(between_edges);
     normals
         .map(|normal| {
