@@ -12,8 +12,26 @@
 //! ```
 //!
 //! The other symbols are those of [`crate::structure`].
+//!
+//! ```
+//! use graspcheck_model::{example, inverse::InverseKinematics};
+//!
+//! let robot = example::scara();
+//! let inverse = InverseKinematics::new(&robot)?;
+//! let pose = robot.world_from_tool(&[0.4, 0.9, -0.1, 2.0]);
+//! let names: Vec<String> = inverse
+//!     .solve(&pose)?
+//!     .iter()
+//!     .filter(|solution| solution.is_legal())
+//!     .map(|solution| solution.name.to_string())
+//!     .collect();
+//! // The wrist has three turns between −20° and 1080° on either side of the elbow.
+//! assert_eq!(names[0], "elbow left, last joint at turn 0");
+//! assert_eq!(names.len(), 6);
+//! # Ok::<(), graspcheck_model::inverse::Unreachable>(())
+//! ```
 
-use std::{f64::consts::TAU, ops::RangeInclusive};
+use std::{f64::consts::TAU, fmt, ops::RangeInclusive};
 
 use nalgebra::{Point2, Vector2};
 
@@ -35,11 +53,48 @@ const REACH_TOLERANCE: f64 = 1e-12;
 /// solution when a pose was made from a position at the limit.
 pub const LIMIT_TOLERANCE: f64 = 1e-9;
 
+/// What tells one way to reach a pose from the others.
+///
+/// ```
+/// use graspcheck_model::{inverse::BranchName, task::Elbow};
+/// let name = BranchName { elbow: Elbow::Right, shoulder_turn: -1, elbow_turn: 0, last_turn: 2 };
+/// assert_eq!(name.to_string(), "elbow right, shoulder at turn -1, last joint at turn 2");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct BranchName {
+    /// The side of the elbow.
+    pub elbow: Elbow,
+    /// Whole turns of joint 1 away from (−π, π].
+    pub shoulder_turn: i32,
+    /// Whole turns of joint 2 away from (−π, π].
+    pub elbow_turn: i32,
+    /// Whole turns of the last joint away from (−π, π].
+    pub last_turn: i32,
+}
+
+impl fmt::Display for BranchName {
+    /// The side of the elbow, the turn of the last joint, and those of the others where they are not 0.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.elbow {
+            Elbow::Left => "elbow left",
+            Elbow::Right => "elbow right",
+        })?;
+        for (joint, turn) in [("shoulder", self.shoulder_turn), ("elbow", self.elbow_turn)] {
+            if turn != 0 {
+                write!(f, ", {joint} at turn {turn}")?;
+            }
+        }
+        write!(f, ", last joint at turn {}", self.last_turn)
+    }
+}
+
 /// One way to reach a pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InverseSolution {
     /// Joint positions from base to tool, rad or m.
     pub q: Vec<f64>,
+    /// What tells it from the others, for people to read.
+    pub name: BranchName,
     /// The branch of the elbow.
     pub elbow: Elbow,
     /// Whole turns of the last joint away from (−π, π].
@@ -148,8 +203,12 @@ pub struct PlanarWrist {
 pub struct InverseKinematics {
     geometry: PlanarGeometry,
     base_from_world: Pose,
-    limits: Vec<JointLimits>,
+    pub(crate) limits: Vec<JointLimits>,
+    pub(crate) joint_names: Vec<String>,
 }
+
+/// The most joints that an arm with a closed form has.
+const MOST_JOINTS: usize = 4;
 
 /// What a pose asks of the arm.
 struct Target {
@@ -182,6 +241,7 @@ impl InverseKinematics {
             geometry,
             base_from_world: robot.world_from_base.inverse(),
             limits: robot.joints.iter().map(|joint| joint.limits).collect(),
+            joint_names: robot.joints.iter().map(|joint| joint.name.clone()).collect(),
         })
     }
 
@@ -199,11 +259,41 @@ impl InverseKinematics {
     /// # Errors
     /// When no joint positions reach the pose, whatever the limits.
     pub fn solve(&self, world_from_tool: &Pose) -> Result<Vec<InverseSolution>, Unreachable> {
+        let mut solutions = Vec::with_capacity(8);
+        self.visit(world_from_tool, |name, q| {
+            let violations = violations(q, &self.limits);
+            let BranchName { elbow, last_turn: turn, .. } = name;
+            solutions.push(InverseSolution { q: q.to_vec(), name, elbow, turn, violations });
+        })?;
+        Ok(solutions)
+    }
+
+    /// Shows every solution of [`InverseKinematics::solve`], in its order, to `visit`: its name and the joint
+    /// positions. Allocates nothing.
+    ///
+    /// # Errors
+    /// When no joint positions reach the pose, whatever the limits.
+    ///
+    /// ```
+    /// use graspcheck_model::{example, inverse::InverseKinematics};
+    /// let robot = example::scara();
+    /// let inverse = InverseKinematics::new(&robot)?;
+    /// let mut legal = 0;
+    /// inverse.visit(&robot.world_from_tool(&[0.4, 0.9, -0.1, 2.0]), |_, q| {
+    ///     legal += usize::from(inverse.is_within_limits(q));
+    /// })?;
+    /// assert_eq!(legal, 6);
+    /// # Ok::<(), graspcheck_model::inverse::Unreachable>(())
+    /// ```
+    pub fn visit(
+        &self,
+        world_from_tool: &Pose,
+        mut visit: impl FnMut(BranchName, &[f64]),
+    ) -> Result<(), Unreachable> {
         let target = self.target(world_from_tool)?;
         let elbow_bend = self.bend(target.distance)?;
-        let last = self.limits.len() - 1;
-        let mut solutions = Vec::with_capacity(8);
-        let mut q = vec![0.0; self.limits.len()];
+        let dof = self.limits.len();
+        let mut q = [0.0; MOST_JOINTS];
         if let Some(quill) = self.geometry.quill {
             q[quill] = target.rise;
         }
@@ -211,17 +301,28 @@ impl InverseKinematics {
             let [shoulder, bend, wrist] = self.angles(&target, elbow, &elbow_bend);
             for shoulder_turn in turns(shoulder, &self.limits[0]) {
                 q[0] = shoulder + TAU * f64::from(shoulder_turn);
-                for bend_turn in turns(bend, &self.limits[1]) {
-                    q[1] = bend + TAU * f64::from(bend_turn);
-                    for turn in turns(wrist, &self.limits[last]) {
-                        q[last] = wrist + TAU * f64::from(turn);
-                        let violations = violations(&q, &self.limits);
-                        solutions.push(InverseSolution { q: q.clone(), elbow, turn, violations });
+                for elbow_turn in turns(bend, &self.limits[1]) {
+                    q[1] = bend + TAU * f64::from(elbow_turn);
+                    for last_turn in turns(wrist, &self.limits[dof - 1]) {
+                        q[dof - 1] = wrist + TAU * f64::from(last_turn);
+                        visit(BranchName { elbow, shoulder_turn, elbow_turn, last_turn }, &q[..dof]);
                     }
                 }
             }
         }
-        Ok(solutions)
+        Ok(())
+    }
+
+    /// Whether all joints are within their position limits, to [`LIMIT_TOLERANCE`].
+    ///
+    /// # Panics
+    /// When `q` has another length than the arm has joints.
+    #[must_use]
+    pub fn is_within_limits(&self, q: &[f64]) -> bool {
+        assert_eq!(q.len(), self.limits.len(), "positions for another number of joints");
+        q.iter().zip(&self.limits).all(|(&value, limits)| {
+            value >= limits.position_min - LIMIT_TOLERANCE && value <= limits.position_max + LIMIT_TOLERANCE
+        })
     }
 
     /// The joint positions on one branch at the turns nearest to `near`, whatever the limits, into `q`:
@@ -258,20 +359,25 @@ impl InverseKinematics {
     #[must_use]
     pub fn reach(&self) -> Reach {
         let (upper, fore) = (self.geometry.upper, self.geometry.fore);
-        let distance = |elbow_angle: f64| {
-            (upper * upper + fore * fore + 2.0 * upper * fore * elbow_angle.cos()).max(0.0).sqrt()
-        };
         let low = self.limits[1].position_min + self.geometry.elbow_zero;
         let high = self.limits[1].position_max + self.geometry.elbow_zero;
         let passes = |angle: f64| ((low - angle) / TAU).ceil() <= ((high - angle) / TAU).floor();
         let (inner_without_limits, outer_without_limits) = ((upper - fore).abs(), upper + fore);
-        let ends = [distance(low), distance(high)];
+        let ends = [self.limits[1].position_min, self.limits[1].position_max].map(|q2| self.distance_at(q2));
         Reach {
             inner: if passes(TAU / 2.0) { inner_without_limits } else { ends[0].min(ends[1]) },
             outer: if passes(0.0) { outer_without_limits } else { ends[0].max(ends[1]) },
             inner_without_limits,
             outer_without_limits,
         }
+    }
+
+    /// Distance of the wrist from axis 1 when the elbow stands at `q2` (rad), m.
+    pub(crate) fn distance_at(&self, q2: f64) -> f64 {
+        let (upper, fore) = (self.geometry.upper, self.geometry.fore);
+        // |l₁ + l₂ exp(i φ₂)|, which loses no digits where the arm is nearly folded.
+        let (sin, cos) = (q2 + self.geometry.elbow_zero).sin_cos();
+        (upper + fore * cos).hypot(fore * sin)
     }
 
     /// Distance of the wrist from axis 1 that a pose of the tool asks for, m.
