@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes dynamics.json: mass matrices and bias forces of both arms by MuJoCo, at seeded random states.
+"""Writes dynamics.json: mass matrices, bias forces, poses and Jacobians by MuJoCo, at seeded random states, of both
+arms and of a six-joint arm from the tests of graspcheck-model.
 
     pip install mujoco==4.0.0
     python dynamics.py [--check]
@@ -25,7 +26,9 @@ import mujoco
 import numpy
 
 HERE = Path(__file__).resolve().parent
-ROBOTS = HERE.parent.parent / "assets" / "robots"
+ROOT = HERE.parent.parent
+ROBOTS = ROOT / "assets" / "robots"
+SIX = ROOT / "crates" / "graspcheck-model" / "tests" / "arms" / "six.urdf"
 GRAVITY = [1.3, -3.7, -8.9]  # m/s²
 STATES = 25
 SEED = 20261124
@@ -64,9 +67,31 @@ def mass_matrix(model, data):
     return [[float(columns[c][r]) for c in range(model.nv)] for r in range(model.nv)]
 
 
+def last_link(model, data):
+    """Pose of the last moving link (rotation by rows, then origin) and the Jacobian of its origin, linear rows first.
+
+    The fingers are fixed to it and come later in the list of bodies: the last link is the last joint's.
+    """
+    body = int(model.jnt_bodyid[model.njnt - 1])
+    linear, angular = numpy.zeros((3, model.nv)), numpy.zeros((3, model.nv))
+    mujoco.mj_jac(model, data, linear, angular, data.xpos[body], body)
+    return {
+        "rotation": data.xmat[body].tolist(),
+        "origin": data.xpos[body].tolist(),
+        "jacobian": numpy.vstack([linear, angular]).tolist(),
+    }
+
+
 def arm(name, opening, seed):
     settings = tomllib.loads((ROBOTS / name / "robot.toml").read_text())
-    text = (ROBOTS / name / settings["urdf"]).read_text()
+    rotor = {
+        joint: next(value for key, value in values.items() if key.startswith("rotor_inertia_"))
+        for joint, values in settings["joint"].items()
+    }
+    return arm_of(name, (ROBOTS / name / settings["urdf"]).read_text(), rotor, opening, seed)
+
+
+def arm_of(name, text, rotor, opening, seed):
     model = mujoco.MjModel.from_xml_string(with_fixed_fingers(text, opening))
     model.opt.gravity[:] = GRAVITY
     # The whole mass must have survived the reading.
@@ -74,19 +99,18 @@ def arm(name, opening, seed):
     if abs(sum(masses) - sum(model.body_mass)) > 1e-12 * sum(masses):
         sys.exit(f"{name}: MuJoCo has {sum(model.body_mass)} kg, the URDF {sum(masses)} kg")
     joints = [model.joint(k).name for k in range(model.njnt)]
-    rotor = {}
     for k, joint in enumerate(joints):
-        table = settings["joint"][joint]
-        rotor[joint] = next(value for key, value in table.items() if key.startswith("rotor_inertia_"))
-        model.dof_armature[k] = rotor[joint]
+        model.dof_armature[k] = rotor.get(joint, 0.0)
     data, states, source = mujoco.MjData(model), [], random.Random(seed)
     for _ in range(STATES):
         q = [source.uniform(*model.jnt_range[k]) for k in range(model.nv)]
         qd = [source.uniform(-4.0, 4.0) for _ in joints]
         data.qpos[:], data.qvel[:] = q, qd
         mujoco.mj_forward(model, data)
-        states.append({"q": q, "qd": qd, "mass_matrix": mass_matrix(model, data), "bias": data.qfrc_bias.tolist()})
-    return {"robot": name, "opening": opening, "gravity": GRAVITY, "joints": joints, "rotor_inertia": list(rotor.values()), "states": states}
+        found = {"mass_matrix": mass_matrix(model, data), "bias": data.qfrc_bias.tolist(), "last_link": last_link(model, data)}
+        states.append({"q": q, "qd": qd, **found})
+    rotors = [rotor.get(joint, 0.0) for joint in joints]
+    return {"robot": name, "opening": opening, "gravity": GRAVITY, "joints": joints, "rotor_inertia": rotors, "states": states}
 
 
 def differs(a, b):
@@ -102,7 +126,11 @@ def differs(a, b):
 def main():
     fixture = {
         "source": f"MuJoCo {mujoco.__version__}, tests/oracles/dynamics.py, seed {SEED}",
-        "arms": [arm("scara", 0.04, SEED), arm("rrr", 0.2, SEED + 1)],
+        "arms": [
+            arm("scara", 0.04, SEED),
+            arm("rrr", 0.2, SEED + 1),
+            arm_of("six", SIX.read_text(), {}, 0.0, SEED + 2),
+        ],
     }
     stored = HERE / "dynamics.json"
     if "--check" in sys.argv[1:]:
