@@ -69,6 +69,14 @@ pub enum GripError {
     },
 }
 
+/// The least duration in which a gripper can close or open at a handle, s.
+///
+/// # Errors
+/// When the handle's width is not positive or leaves no room in the gripper.
+pub fn least_duration(handle: &Handle, gripper: &Gripper) -> Result<f64, GripError> {
+    Ok(Openings::at(handle, gripper)?.least_duration(gripper))
+}
+
 /// The openings of a grasp, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Openings {
@@ -97,15 +105,20 @@ impl Openings {
         Ok(Self { free, held: (width - SQUEEZE).max(0.0) })
     }
 
+    /// The least duration in which the fingers can close or open, s.
+    fn least_duration(&self, gripper: &Gripper) -> f64 {
+        let travel = 0.5 * (self.free - self.held);
+        QUINTIC_PEAK * travel / gripper.finger_speed
+    }
+
     /// Checks that the fingers can close or open in the `duration` (s) of `phase`.
     ///
     /// # Errors
     /// When they would have to be faster than the gripper's finger speed.
     pub(crate) fn check_speed(&self, gripper: &Gripper, phase: &str, duration: f64) -> Result<(), GripError> {
-        let travel = 0.5 * (self.free - self.held);
-        let (speed, speed_max) = (QUINTIC_PEAK * travel / duration, gripper.finger_speed);
+        let (least, speed_max) = (self.least_duration(gripper), gripper.finger_speed);
+        let speed = speed_max * least / duration;
         if speed > speed_max {
-            let least = QUINTIC_PEAK * travel / speed_max;
             return Err(GripError::TooFast { phase: phase.to_owned(), speed, speed_max, least });
         }
         Ok(())

@@ -24,6 +24,8 @@ pub(crate) struct GripPace {
     pub(crate) close: f64,
     /// How long the fingers are given to open, s.
     pub(crate) open: f64,
+    /// Where these durations stand, if the scenario gives them.
+    pub(crate) durations_at: [Option<Place>; 2],
 }
 
 /// `[phase.NAME]` of a phase in which the arm moves, with the place of its name.
@@ -39,6 +41,10 @@ pub(crate) struct Phases<'a> {
     pub(crate) grip: Option<GripPace>,
     /// Which of `[phase.close]` and `[phase.open]` stand there, and where.
     pub(crate) grip_at: Vec<(&'a str, &'a Place)>,
+    /// Whether the scenario gives a force, be it one that cannot be read.
+    pub(crate) mentions_force: bool,
+    /// Whether all of it could be read.
+    complete: bool,
 }
 
 /// Reads `[motion]`: the share of the limits.
@@ -49,12 +55,14 @@ pub(crate) fn share(scenario: &Section<'_>) -> Option<f64> {
     share
 }
 
-/// Reads `[phase.NAME]`.
-pub(crate) fn phases<'a>(scenario: &Section<'a>) -> Option<Phases<'a>> {
+/// Reads `[phase.NAME]`. The names are known also where a value cannot be read.
+pub(crate) fn phases<'a>(scenario: &Section<'a>) -> Phases<'a> {
     let mut arm = Vec::new();
     let mut complete = true;
     let (mut force, mut grip_at) = (None, Vec::new());
     let (mut close, mut open) = (GRIP_DURATION_DEFAULT, GRIP_DURATION_DEFAULT);
+    let mut durations_at = [None, None];
+    let mut mentions_force = false;
     if let Some(section) = scenario.section("phase", "the phases") {
         for (name, at, phase) in section.named_sections("a phase") {
             let duration = phase.measure("duration", Quantity::Time, Bound::Positive);
@@ -64,12 +72,13 @@ pub(crate) fn phases<'a>(scenario: &Section<'a>) -> Option<Phases<'a>> {
                     grip_at.push((name, at));
                     if let Some(duration) = duration {
                         *(if name == "close" { &mut close } else { &mut open }) = duration;
+                        let at = phase.place_of("duration", Quantity::Time).cloned();
+                        durations_at[usize::from(name == "open")] = at;
                     }
-                    if name == "close"
-                        && let Some((value, place)) =
-                            phase.measure_at("force", Quantity::Force, Bound::Positive)
-                    {
-                        force = Some((value, place.clone()));
+                    if name == "close" {
+                        mentions_force = phase.mentions("force");
+                        let read = phase.measure_at("force", Quantity::Force, Bound::Positive);
+                        force = read.map(|(value, place)| (value, place.clone()));
                     }
                 }
                 _ => {
@@ -83,8 +92,9 @@ pub(crate) fn phases<'a>(scenario: &Section<'a>) -> Option<Phases<'a>> {
         }
         section.finish();
     }
-    let grip = force.map(|(force, force_at)| GripPace { force, force_at, close, open });
-    complete.then_some(Phases { arm, grip, grip_at })
+    complete &= force.is_some() || !mentions_force;
+    let grip = force.map(|(force, force_at)| GripPace { force, force_at, close, open, durations_at });
+    Phases { arm, grip, grip_at, mentions_force, complete }
 }
 
 /// A phase has a share or a duration, not both: each fixes the other.
@@ -95,7 +105,8 @@ fn both(phase: &Section<'_>, at: &Place) {
     }
 }
 
-/// The pace of a task.
-pub(crate) fn pace(share: f64, phases: &Phases<'_>) -> Pace {
-    Pace { share, phases: phases.arm.iter().map(|phase| phase.pace.clone()).collect() }
+/// The pace of a task; none where it could not be read.
+pub(crate) fn pace(share: Option<f64>, phases: &Phases<'_>) -> Option<Pace> {
+    let share = share.filter(|_| phases.complete)?;
+    Some(Pace { share, phases: phases.arm.iter().map(|phase| phase.pace.clone()).collect() })
 }

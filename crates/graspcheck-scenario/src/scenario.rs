@@ -85,7 +85,7 @@ fn read(path: &Path, files: &mut Files, faults: &Faults) -> Option<Scenario> {
     let bodies = bodies(&file);
     let object = object(&file);
     let phases = phases(&file);
-    let task_read = read_task(&file, model, object.name, phases.as_ref());
+    let task_read = read_task(&file, model, object.name, &phases);
     let share = share(&file);
     let execution = execution(&file, seed.unwrap_or(0));
     let checks = checks(&file, task_read.kind);
@@ -105,7 +105,7 @@ fn read(path: &Path, files: &mut Files, faults: &Faults) -> Option<Scenario> {
     {
         scene.check_support(gravity);
     }
-    scene.check_grasp(phases.as_ref().and_then(|phases| phases.grip.as_ref()));
+    scene.check_grasp(phases.grip.as_ref());
 
     let LoadedRobot { model, settings_source, urdf_source } = robot?;
     let (limits, rule) = checks?;
@@ -122,7 +122,7 @@ fn read(path: &Path, files: &mut Files, faults: &Faults) -> Option<Scenario> {
         },
         object,
         task: task_read.task?,
-        pace: pace(share?, &phases?),
+        pace: pace(share, &phases)?,
         execution: execution?,
         checks: limits,
         expect: expect?,
@@ -139,14 +139,13 @@ fn read_task(
     file: &Section<'_>,
     robot: Option<&RobotModel>,
     object: Option<&str>,
-    phases: Option<&Phases<'_>>,
+    phases: &Phases<'_>,
 ) -> ReadTask {
     let nothing = ReadTask { kind: None, phases: Vec::new(), task: None };
     let Some(section) = file.required_section("task", "a task") else { return nothing };
     let place = section.place();
-    let grip = phases.and_then(|phases| phases.grip.as_ref());
-    let read = task(section, robot, object, grip);
-    let (Some(kind), Some(phases)) = (read.kind, phases) else { return read };
+    let read = task(section, robot, object, phases.grip.as_ref());
+    let Some(kind) = read.kind else { return read };
     for phase in &phases.arm {
         if !read.phases.contains(&phase.pace.phase) {
             unknown_phase(&phase.pace.phase, phase.at, &read.phases, file);
@@ -156,7 +155,7 @@ fn read_task(
         for (name, at) in &phases.grip_at {
             unknown_phase(name, at, &read.phases, file);
         }
-    } else if phases.grip.is_none() {
+    } else if !phases.mentions_force {
         let title = "missing key `force_n` in [phase.close]";
         file.faults().report(Fault::new(
             "missing-key",

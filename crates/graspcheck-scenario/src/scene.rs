@@ -4,6 +4,7 @@ use graspcheck_model::{
     cell::CellBody,
     robot::{Family, RobotModel},
 };
+use graspcheck_planner::opening::least_duration;
 use nalgebra::Vector3;
 
 use crate::{
@@ -134,6 +135,9 @@ impl<'a> Scene<'a> {
             );
         }
         let Some(placed) = self.object else { return };
+        if let Some(grip) = grip {
+            self.check_finger_speed(placed, grip, robot);
+        }
         let planar = matches!(robot.family, Family::PlanarRrr { .. });
         for (handle, place) in placed.object.handles.iter().zip(&placed.handles) {
             if handle.width >= gripper.opening_max {
@@ -150,6 +154,33 @@ impl<'a> Scene<'a> {
                     Fault::new("handle", place.at, title, "write a direction such as approach = [0, -1]");
                 self.faults.report(fault);
             }
+        }
+    }
+
+    /// Reports durations of closing and opening that are too short for the fingers.
+    fn check_finger_speed(&self, placed: &PlacedObject<'_>, grip: &GripPace, robot: &RobotModel) {
+        let gripper = &robot.gripper;
+        let durations =
+            placed.object.handles.iter().filter_map(|handle| least_duration(handle, gripper).ok());
+        let least = durations.fold(0.0, f64::max);
+        let [close_at, open_at] = &grip.durations_at;
+        for (phase, given, at) in [("close", grip.close, close_at), ("open", grip.open, open_at)] {
+            if given >= least {
+                continue;
+            }
+            let title = format!(
+                "phase {phase}: {given:.3} s is too short, the fingers need {least:.4} s at {} mm/s",
+                gripper.finger_speed * 1e3
+            );
+            let written = (least * 1e3).ceil() / 1e3;
+            self.faults.report(match at {
+                Some(at) => Fault::new("outside-limit", at, title, "too fast for the fingers")
+                    .replace("the least that does, in seconds", format!("{written}")),
+                None => {
+                    Fault::new("outside-limit", &grip.force_at, title, "the default duration is too short")
+                        .help(format!("write [phase.{phase}] duration_s = {written}"))
+                }
+            });
         }
     }
 }

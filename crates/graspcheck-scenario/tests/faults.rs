@@ -265,6 +265,42 @@ fn each_fault_is_named_and_located() {
 }
 
 #[test]
+fn a_misspelt_phase_is_found_beside_a_value_that_cannot_be_read() {
+    let scenario = SCENARIO
+        .replace("duration_s = 0.5", "duration_s = -0.5")
+        .replace("force_n = 12", "force_n = -12")
+        .replace("[phase.carry]", "[phase.lfit]\nspeed_percent = 50\n\n[phase.carry]");
+    let error = faults("phases", &scenario);
+    let titles: Vec<&str> = error.faults.iter().map(|fault| fault.title.as_str()).collect();
+    assert_eq!(titles.len(), 3, "{titles:?}");
+    assert!(
+        titles[0].starts_with("force_n is -12") && titles[2].starts_with("duration_s is -0.5"),
+        "{titles:?}"
+    );
+    assert_eq!(titles[1], "unknown phase `lfit`");
+}
+
+#[test]
+fn closing_faster_than_the_fingers_can_is_a_fault_that_tells_the_least_duration() {
+    let with =
+        |duration: &str| SCENARIO.replace("force_n = 12", &format!("force_n = 12\nduration_s = {duration}"));
+    let error = faults("fast_fingers", &with("0.05"));
+    assert_eq!(error.faults.len(), 1, "{}", rendered(&error));
+    let fault = &error.faults[0];
+    assert_eq!(marked(fault, &error), "0.05");
+    assert!(
+        fault.title.starts_with("phase close: 0.050 s is too short, the fingers need"),
+        "{}",
+        fault.title
+    );
+    let least: f64 = fault.help.as_ref().unwrap().replacement.as_ref().unwrap().parse().unwrap();
+    assert_eq!(faults("fast_fingers", &with(&format!("{:.3}", least - 0.001))).faults.len(), 1);
+    let folder = folder("fast_fingers");
+    fs::write(folder.join("pick.toml"), with(&format!("{least}"))).unwrap();
+    load(&folder.join("pick.toml")).unwrap();
+}
+
+#[test]
 fn an_object_that_floats_or_is_inside_a_body_is_a_fault_with_its_line() {
     let at = |z: &str| {
         faults(&format!("support_{z}"), &SCENARIO.replace("[280, -180, 15]", &format!("[280, -180, {z}]")))
@@ -447,7 +483,9 @@ fn faults_of_the_urdf_point_into_it() {
 fn a_planar_arm_cannot_approach_from_above() {
     let scenario = SCENARIO
         .replace("robot = \"scara\"", "robot = \"rrr\"")
-        .replace(", quill_mm = -20, wrist_deg = 314", ", wrist_deg = 10");
+        .replace(", quill_mm = -20, wrist_deg = 314", ", wrist_deg = 10")
+        // The fingers of this arm are slower.
+        .replace("force_n = 12", "force_n = 12\nduration_s = 0.6\n\n[phase.open]\nduration_s = 0.6");
     let error = faults("planar", &scenario);
     assert_eq!(error.faults.len(), 1, "{}", rendered(&error));
     assert!(error.faults[0].title.contains("a planar arm cannot approach across its plane"));
