@@ -74,7 +74,14 @@ pub fn quantity(value: f64, unit: Unit, rounding: Rounding) -> String {
         return value.to_string();
     }
     let (symbol, factor, decimals) = display(unit, value.abs());
-    with_unit(&rounded(value * factor, decimals, rounding), symbol)
+    with_unit(&telling(value * factor, decimals, rounding), symbol)
+}
+
+/// A number with this many digits after the point, or with more where it would read as zero and is not.
+fn telling(value: f64, usual: usize, rounding: Rounding) -> String {
+    let tells = |text: &String| value == 0.0 || text.chars().any(|c| ('1'..='9').contains(&c));
+    let shown = (usual..=MOST_DECIMALS).map(|decimals| rounded(value, decimals, rounding)).find(tells);
+    shown.unwrap_or_else(|| rounded(value, usual, rounding))
 }
 
 /// A value and its limit in the unit for people, with as many digits as it takes for them to differ, and in
@@ -151,7 +158,7 @@ pub fn margin(value: f64, is_share: bool, unit: Unit) -> String {
     }
     let (symbol, factor, usual) = if is_share { ("%", 100.0, 1) } else { display(unit, value.abs()) };
     if value >= 0.0 {
-        return with_unit(&format!("+{}", rounded(value * factor, usual, Rounding::Down)), symbol);
+        return with_unit(&format!("+{}", telling(value * factor, usual, Rounding::Down)), symbol);
     }
     let excess = |decimals| rounded(value * factor, decimals, Rounding::Nearest);
     let tells = |decimals: &usize| excess(*decimals).starts_with('-');
@@ -178,6 +185,15 @@ mod tests {
         assert_eq!(quantity(9.0_f64.to_radians(), Unit::RadianPerSecond, Rounding::Nearest), "9 °/s");
         assert_eq!(quantity(3500.0, Unit::NewtonMeter, Rounding::Nearest), "3500 N·m");
         assert_eq!(quantity(10.63, Unit::NewtonMeter, Rounding::Up), "10.7 N·m");
+    }
+
+    #[test]
+    fn what_is_not_zero_does_not_read_as_zero() {
+        assert_eq!(margin(0.000_93, false, Unit::MeterPerSecond), "+0.9 mm/s");
+        assert_eq!(margin(0.000_4, true, Unit::One), "+0.04 %");
+        assert_eq!(quantity(0.000_93, Unit::MeterPerSecond, Rounding::Down), "0.9 mm/s");
+        assert_eq!(quantity(2e-6, Unit::Meter, Rounding::Nearest), "0.002 mm");
+        assert_eq!(quantity(0.0, Unit::Meter, Rounding::Nearest), "0.00 mm");
     }
 
     #[test]
