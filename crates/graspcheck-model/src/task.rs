@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::Pose;
+use crate::{Pose, via::ViaLaw};
 
 /// What the robot is asked to do.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -11,8 +11,10 @@ use crate::Pose;
 pub enum Task {
     /// Grasp an object, carry it and put it down.
     PickAndPlace(PickAndPlace),
-    /// Pass near Cartesian points by linear functions with parabolic blends (planar arms).
+    /// Pass Cartesian points of the wrist at given times (planar arms).
     CartesianVia(CartesianVia),
+    /// Pass joint positions at given times.
+    JointVia(JointVia),
     /// Move through joint positions one segment after the other.
     JointSegments(JointSegments),
 }
@@ -43,20 +45,75 @@ pub struct PickAndPlace {
     pub open_duration: f64,
 }
 
-/// Pass near points of the plane by linear functions with parabolic blends (LFPB).
+impl Task {
+    /// Whether the law of the motion has steps of acceleration by nature.
+    #[must_use]
+    pub fn steps_acceleration(&self) -> bool {
+        match self {
+            Self::CartesianVia(CartesianVia { law, .. }) | Self::JointVia(JointVia { law, .. }) => {
+                law.steps_acceleration()
+            }
+            Self::PickAndPlace(_) | Self::JointSegments(_) => false,
+        }
+    }
+}
+
+/// Pass points of the plane with the wrist at given times. The first phase begins at 0; the arm rests at the
+/// first point until its motion begins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "CartesianViaInFile")]
 pub struct CartesianVia {
     /// The points in order of time.
     pub points: Vec<ViaPoint>,
-    /// Duration of every blend, s.
-    pub blend: f64,
+    /// How they are passed, in the coordinates x, y and theta.
+    pub law: ViaLaw,
     /// Which elbow the arm keeps, `left` (positive elbow angle) or `right`.
     pub elbow: Elbow,
     /// How far the joint polynomials may leave the Cartesian motion, m and rad.
     pub tolerance: f64,
 }
 
-/// A point that an arm in the plane passes near at a given time.
+/// The form in files. Older ones have `blend`, the duration of all blends (s), in the place of the law.
+#[derive(Deserialize)]
+struct CartesianViaInFile {
+    points: Vec<ViaPoint>,
+    law: Option<ViaLaw>,
+    blend: Option<f64>,
+    elbow: Elbow,
+    tolerance: f64,
+}
+
+impl TryFrom<CartesianViaInFile> for CartesianVia {
+    type Error = &'static str;
+
+    fn try_from(file: CartesianViaInFile) -> Result<Self, &'static str> {
+        let CartesianViaInFile { points, law, blend, elbow, tolerance } = file;
+        let of_blend = || blend.map(|blend| ViaLaw::blends_of(blend, points.len(), 3));
+        let law = law.or_else(of_blend).ok_or("via points without a law")?;
+        Ok(Self { points, law, elbow, tolerance })
+    }
+}
+
+/// Pass joint positions at given times. The first phase begins at 0; the arm rests at the first point until
+/// its motion begins.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointVia {
+    /// The points in order of time.
+    pub points: Vec<JointViaPoint>,
+    /// How they are passed, in the coordinates of the joints.
+    pub law: ViaLaw,
+}
+
+/// Joint positions that are passed at a given time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointViaPoint {
+    /// When, s.
+    pub t: f64,
+    /// Where, rad or m.
+    pub q: Vec<f64>,
+}
+
+/// A point that an arm in the plane passes at a given time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ViaPoint {
     /// When, s.

@@ -1,12 +1,12 @@
-//! Via points of the wrist of a planar arm: linear function with parabolic blends in x, y and theta.
+//! Via points of the wrist of a planar arm: x, y and theta under any law for via points.
 //!
-//! Each coordinate is an [`Lfpb`] of its own with the blends inside the first and the last instant; all
-//! share the instants at which pieces meet. The angle is taken literally, not by the shortest way. Inverse
-//! kinematics on the asked elbow branch, followed over whole turns, gives the joints; the acceleration jumps
-//! where a blend meets a line, and so does the trajectory, which declares these breaks.
+//! The law makes a motion of the three coordinates ([`via_motion`]), by default a linear function with
+//! parabolic blends in each. The angle is taken literally, not by the shortest way. Inverse kinematics on the
+//! asked elbow branch, followed over whole turns, gives the joints; where the acceleration of a coordinate
+//! jumps so does the trajectory's, which declares these breaks.
 //!
-//! The times are those of the points. The pace's share is not used; a duration for the phase `via` stretches
-//! or compresses the whole motion.
+//! The times are those of the points, on the clock of the plan. The pace's share is not used; a duration for the
+//! phase `via` stretches or compresses the whole motion.
 
 use graspcheck_model::{
     inverse::{InverseSolution, PlanarWrist},
@@ -26,7 +26,6 @@ use crate::{
     branch::{BranchFault, Located, Tracker},
     error::PlanError,
     input::check_number,
-    lfpb::{BlendEnds, Lfpb},
     opening::idle,
     pace::CheckedPace,
     path::{
@@ -34,6 +33,7 @@ use crate::{
         fit::{FitError, fit},
     },
     retime,
+    via_motion::{via_motion, with_knots},
 };
 
 /// Name of the only phase.
@@ -74,14 +74,25 @@ pub(crate) fn find(
         return Err(PlanError::Via { elbow, at, fault });
     };
     let followed = FollowedPath { planar, branch };
-    let mut trajectory =
+    let trajectory =
         fit(&arm, &followed, &time_itself(wrist.knots())?, tolerance).map_err(|error| match error {
             FitError::Located(Located { at, fault }) => PlanError::Via { elbow, at, fault },
             FitError::Trajectory(error) => error.into(),
         })?;
-    if let Some(duration) = pace.duration(PHASE) {
-        trajectory = retime::lasting(&trajectory, duration)?;
-    }
+    in_one_phase(robot, object, &trajectory, &pace)
+}
+
+/// The plan of a motion that is one phase; the pace may ask for its duration.
+pub(crate) fn in_one_phase(
+    robot: &RobotModel,
+    object: Option<&Object>,
+    motion: &Trajectory,
+    pace: &CheckedPace,
+) -> Result<Planned, PlanError> {
+    let trajectory = match pace.duration(PHASE) {
+        Some(duration) => retime::lasting(motion, duration)?,
+        None => motion.clone(),
+    };
     let end = trajectory.duration();
     let holding = if object.is_some() { Holding::AtStart } else { Holding::Nothing };
     let phases = vec![Phase { name: PHASE.to_owned(), start: 0.0, end, holding }];
@@ -128,33 +139,15 @@ fn starts(arm: &Arm, task: &CartesianVia, wrist: &Trajectory) -> Result<Vec<Vec<
     Ok(starts)
 }
 
-/// The motion of the wrist, from time 0: x, y (m) and theta (rad) as three "joints".
+/// The motion of the wrist on the clock of the plan: x, y (m) and theta (rad) as three "joints". The instants
+/// of the points are knots, so that what a point is missed by is exact.
 fn wrist_motion(task: &CartesianVia) -> Result<Trajectory, PlanError> {
     let times: Vec<f64> = task.points.iter().map(|point| point.t).collect();
-    let blends = vec![task.blend; times.len()];
-    let coordinate = |of: &dyn Fn(usize) -> f64| {
-        let values: Vec<f64> = (0..times.len()).map(of).collect();
-        Lfpb::with_blend_times(&times, &values, &blends, BlendEnds::Inside)
-    };
-    let x = coordinate(&|k| task.points[k].wrist.x)?;
-    let y = coordinate(&|k| task.points[k].wrist.y)?;
-    let theta = coordinate(&|k| task.points[k].theta)?;
-    // The pieces follow from times and blends alone, so they are the same for all coordinates.
-    let starts = x.pieces().iter().map(|(start, _)| *start);
-    let ends = starts.clone().skip(1).chain([x.end()]);
-    let mut knots = vec![0.0];
-    let mut pieces = Vec::new();
-    for (index, (start, end)) in starts.zip(ends).enumerate() {
-        let at_start = [&x, &y, &theta].map(|coordinate| coordinate.pieces()[index].1);
-        pieces.extend(at_start);
-        // The instant of a point is a knot too, so that what the point is missed by is exact.
-        if let Some(t) = times.iter().find(|&&t| start < t && t < end) {
-            knots.push(t - x.start());
-            pieces.extend(at_start.map(|polynomial| polynomial.shifted(t - start)));
-        }
-        knots.push(end - x.start());
-    }
-    Ok(Trajectory::new(3, knots, pieces)?)
+    let positions: Vec<Vec<f64>> =
+        task.points.iter().map(|point| vec![point.wrist.x, point.wrist.y, point.theta]).collect();
+    let motion = via_motion(&times, &positions, &task.law, &["x", "y", "theta"])
+        .map_err(|error| PlanError::ViaMotion { task: "cartesian_via", error: Box::new(error) })?;
+    Ok(with_knots(&motion, &times)?)
 }
 
 /// The law s(t) = t with knots at the given times.

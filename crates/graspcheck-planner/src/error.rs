@@ -9,9 +9,9 @@ use crate::{
     candidate::{Candidate, WristReach},
     cartesian::LineError,
     joint_move::JointMoveError,
-    lfpb::LfpbError,
     opening::GripError,
     pace::PaceError,
+    via_motion::ViaMotionError,
 };
 
 /// Why there is no plan.
@@ -79,9 +79,15 @@ pub enum PlanError {
         #[source]
         error: LineError,
     },
-    /// The via points make no linear function with parabolic blends.
-    #[error("task cartesian_via: {0}")]
-    Lfpb(#[from] LfpbError),
+    /// The law of a task's via points does not fit them.
+    #[error("task {task}: {error}")]
+    ViaMotion {
+        /// The task.
+        task: &'static str,
+        /// Why.
+        #[source]
+        error: Box<ViaMotionError>,
+    },
     /// The arm cannot follow the motion through the via points on the branch that is asked for.
     #[error("task cartesian_via, elbow {}: at t = {at:.6} s: {fault}", elbow_word(*.elbow))]
     Via {

@@ -23,6 +23,7 @@ mod input;
 pub mod joint_law;
 pub mod joint_move;
 mod joint_segments;
+mod joint_via;
 pub mod lfpb;
 pub mod opening;
 pub mod pace;
@@ -34,6 +35,7 @@ mod sequence;
 mod stop;
 pub mod time_scaling;
 pub mod via;
+mod via_motion;
 
 #[cfg(test)]
 #[path = "../tests/robots/mod.rs"]
@@ -44,3 +46,4 @@ pub use cartesian::line;
 pub use error::{NothingReachable, PlanError};
 pub use joint_move::joint_move;
 pub use planned::{Planned, find, plan};
+pub use via_motion::ViaMotionError;

@@ -9,7 +9,9 @@ use graspcheck_model::{
 };
 use graspcheck_proof::Certificate;
 
-use crate::{candidate::Candidate, cartesian_via, error::PlanError, joint_segments, pick_and_place};
+use crate::{
+    candidate::Candidate, cartesian_via, error::PlanError, joint_segments, joint_via, pick_and_place,
+};
 
 /// A plan with what planning found out on the way.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +66,7 @@ pub fn find(
             pick_and_place::find(robot, cell, object.ok_or(PlanError::NoObject)?, task, pace)
         }
         Task::CartesianVia(task) => cartesian_via::find(robot, object, task, pace),
+        Task::JointVia(task) => joint_via::find(robot, object, task, pace),
         Task::JointSegments(task) => joint_segments::find(robot, object, task, pace),
     }
 }

@@ -10,6 +10,7 @@ use graspcheck_model::{
     plan::Plan,
     robot::RobotModel,
     task::{CartesianVia, Elbow, PhasePace, Task, ViaPoint},
+    via::{Blend, BlendEnds, EndCondition, ParabolicBlends, PointBlends, ViaLaw},
 };
 use graspcheck_planner::{PlanError, branch::BranchFault, plan};
 use nalgebra::Point2;
@@ -21,17 +22,13 @@ fn example(elbow: Elbow) -> CartesianVia {
         wrist: Point2::new(x, y),
         theta: theta.to_radians(),
     };
-    CartesianVia {
-        points: vec![
-            point(0.0, -4.0, 0.0, 90.0),
-            point(2.0, 0.0, 3.0, 45.0),
-            point(4.0, 3.0, 3.0, 30.0),
-            point(7.0, 4.0, 0.0, 0.0),
-        ],
-        blend: 0.5,
-        elbow,
-        tolerance: 1e-5,
-    }
+    let points = vec![
+        point(0.0, -4.0, 0.0, 90.0),
+        point(2.0, 0.0, 3.0, 45.0),
+        point(4.0, 3.0, 3.0, 30.0),
+        point(7.0, 4.0, 0.0, 0.0),
+    ];
+    CartesianVia { points, law: ViaLaw::blends_of(0.5, 4, 3), elbow, tolerance: 1e-5 }
 }
 
 fn planned(robot: &RobotModel, task: CartesianVia) -> Result<Plan, PlanError> {
@@ -245,4 +242,113 @@ fn an_arm_that_stands_askew_follows_in_its_own_plane() {
 fn a_scara_cannot() {
     let error = planned(&robots::scara(), example(Elbow::Left)).unwrap_err();
     assert!(matches!(error, PlanError::NoInverse(_)), "{error}");
+}
+
+/// The example under another law.
+fn under(law: ViaLaw, shift: f64) -> CartesianVia {
+    let mut task = CartesianVia { law, ..example(Elbow::Left) };
+    for point in &mut task.points {
+        point.t += shift;
+    }
+    task
+}
+
+fn assert_wrist(robot: &RobotModel, plan: &Plan, t: f64, expected: [f64; 3]) {
+    for (found, expected) in wrist_at(robot, plan, t).into_iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-5, "{found} is not {expected} at {t} s");
+    }
+}
+
+#[test]
+fn every_coordinate_can_have_blends_of_its_own() {
+    // x by blend times, y by the accelerations that the worked example comes to, theta slower.
+    let robot = rrr();
+    let accelerations = [24.0 / 7.0, 24.0 / 7.0, 24.0 / 11.0, 24.0 / 11.0];
+    let point = |acceleration| PointBlends {
+        blends: vec![Blend::Duration(0.5), Blend::Acceleration(acceleration), Blend::Duration(1.0)],
+        met: None,
+    };
+    let blends = ParabolicBlends { points: accelerations.map(point).to_vec(), ends: BlendEnds::Inside };
+    let plan = planned(&robot, under(ViaLaw::ParabolicBlends(blends), 0.0)).unwrap();
+    // Theta: -45/1.5, -7.5 and -30/2.5 degrees/s, so that the points are missed by 22.5/8 and -4.5/8 degrees.
+    assert_wrist(&robot, &plan, 2.0, [-11.0 / 224.0, 3.0 - 3.0 / 28.0, 45.0 + 22.5 / 8.0]);
+    assert_wrist(&robot, &plan, 4.0, [3.0 - 25.0 / 352.0, 3.0 - 3.0 / 44.0, 30.0 - 4.5 / 8.0]);
+}
+
+#[test]
+fn with_centred_ends_every_line_has_its_mean_velocity() {
+    let robot = rrr();
+    let ViaLaw::ParabolicBlends(blends) = ViaLaw::blends_of(0.5, 4, 3) else { panic!() };
+    let law = ViaLaw::ParabolicBlends(ParabolicBlends { ends: BlendEnds::Centred, ..blends });
+    let plan = planned(&robot, under(law.clone(), 0.25)).unwrap();
+    assert!((plan.duration() - 7.5).abs() < 1e-12);
+    // From rest at the first point to rest at the last; on the first line in between at (2, 1.5, -22.5).
+    assert_wrist(&robot, &plan, 0.0, [-4.0, 0.0, 90.0]);
+    assert_wrist(&robot, &plan, 1.25, [-2.0, 1.5, 67.5]);
+    assert_wrist(&robot, &plan, 7.5, [4.0, 0.0, 0.0]);
+    // At its own time the first point is missed by a b²/8.
+    assert_wrist(&robot, &plan, 0.25, [-3.875, 0.09375, 90.0 - 1.40625]);
+    let error = planned(&robot, under(law, 0.0)).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "task cartesian_via: the motion would begin at -0.25 s, before the plan; every point must be due at \
+         least 0.25 s later"
+    );
+}
+
+#[test]
+fn a_point_that_must_be_met_is_met() {
+    let robot = rrr();
+    let ViaLaw::ParabolicBlends(mut blends) = ViaLaw::blends_of(0.5, 4, 3) else { panic!() };
+    blends.points[1].met = Some(0.3);
+    let plan = planned(&robot, under(ViaLaw::ParabolicBlends(blends), 0.0)).unwrap();
+    assert_wrist(&robot, &plan, 2.0, [0.0, 3.0, 45.0]);
+    // On the line through it: the mean of the slopes in x and theta, 0 in y, where one slope is 0.
+    assert_wrist(&robot, &plan, 2.04, [0.04 * 1.75, 3.0, 45.0 - 0.04 * 15.0]);
+}
+
+#[test]
+fn a_spline_of_the_wrist_meets_all_points() {
+    let robot = rrr();
+    let plan = planned(&robot, under(ViaLaw::Spline(EndCondition::AtRest), 0.0)).unwrap();
+    for ViaPoint { t, wrist, theta } in example(Elbow::Left).points {
+        assert_wrist(&robot, &plan, t, [wrist.x, wrist.y, theta.to_degrees()]);
+    }
+    assert!(plan.trajectory.breaks().is_empty(), "{:?}", plan.trajectory.breaks());
+}
+
+#[test]
+fn blends_that_do_not_fit_name_coordinate_segment_and_what_would_do() {
+    let ViaLaw::ParabolicBlends(mut blends) = ViaLaw::blends_of(0.5, 4, 3) else { panic!() };
+    blends.points[1].blends[1] = Blend::Acceleration(0.5);
+    let error = planned(&rrr(), under(ViaLaw::ParabolicBlends(blends), 0.0)).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.starts_with("task cartesian_via: y: segment from point 1 to point 2: its blends take "),
+        "{text}"
+    );
+    assert!(text.contains("raise the acceleration at point 2 to at least 0.571"), "{text}");
+}
+
+#[test]
+fn a_start_on_the_negative_x_axis_is_one_whatever_the_sign_of_zero() {
+    let plans = [0.0, -0.0].map(|y| {
+        let mut task = example(Elbow::Left);
+        task.points[0].wrist.y = y;
+        planned(&rrr(), task).unwrap()
+    });
+    assert_eq!(plans[0].trajectory.eval(0.0), plans[1].trajectory.eval(0.0));
+}
+
+#[test]
+fn a_task_in_an_older_log_is_read_and_todays_form_comes_back_as_it_is() {
+    let task = Task::CartesianVia(example(Elbow::Left));
+    let text = serde_json::to_string(&task).unwrap();
+    assert_eq!(serde_json::from_str::<Task>(&text).unwrap(), task);
+    // Older ones have one duration for all blends in the place of the law.
+    let law = format!(r#""law":{}"#, serde_json::to_string(&ViaLaw::blends_of(0.5, 4, 3)).unwrap());
+    assert!(text.contains(&law), "{text}");
+    let older = text.replace(&law, r#""blend":0.5"#);
+    assert_eq!(serde_json::from_str::<Task>(&older).unwrap(), task);
+    assert!(serde_json::from_str::<Task>(&text.replace(&law, r#""blend":null"#)).is_err());
 }

@@ -4,6 +4,7 @@ use graspcheck_model::{
     Pose,
     robot::{Joint, JointKind, RobotModel},
     task::{CartesianVia, Elbow, JointSegment, JointSegments, PickAndPlace, Task, ViaPoint},
+    via::ViaLaw,
 };
 use nalgebra::Point2;
 
@@ -215,7 +216,8 @@ fn via(section: &Section<'_>) -> Option<CartesianVia> {
         section.faults().report(Fault::new("missing-key", section.place(), title, "add [[task.via]]"));
     }
     let points = points.into_iter().collect::<Option<Vec<_>>>()?;
-    Some(CartesianVia { points, blend: blend?, elbow: elbow?, tolerance: tolerance? })
+    let law = ViaLaw::blends_of(blend?, points.len(), 3);
+    Some(CartesianVia { points, law, elbow: elbow?, tolerance: tolerance? })
 }
 
 fn segments(section: &Section<'_>, robot: Option<&RobotModel>) -> (Vec<String>, Option<JointSegments>) {

@@ -11,6 +11,7 @@ use graspcheck_model::{
     robot::{Family, Finger, Gripper, Joint, JointKind, JointLimits, Link, RobotModel},
     shape::{PlacedShape, Shape},
     task::{CartesianVia, Elbow, Pace, PickAndPlace, Task, ViaPoint},
+    via::ViaLaw,
 };
 use graspcheck_motion::{MotionState, Polynomial, Trajectory};
 use graspcheck_proof::{Certificate, Scene};
@@ -330,8 +331,8 @@ pub(crate) fn blends() -> Run {
     };
     let points = [0.0, 1.5, 3.0].map(|t| ViaPoint { t, wrist: wrist_at(t), theta: 0.0 }).to_vec();
     let mut run = pick();
-    run.resolved.task =
-        Task::CartesianVia(CartesianVia { points, blend: 1.0, elbow: Elbow::Left, tolerance: 1e-5 });
+    let law = ViaLaw::blends_of(1.0, points.len(), 3);
+    run.resolved.task = Task::CartesianVia(CartesianVia { points, law, elbow: Elbow::Left, tolerance: 1e-5 });
     run.resolved.name = "planar::blends".into();
     run.resolved.robot = robot;
     run.resolved.object = None;

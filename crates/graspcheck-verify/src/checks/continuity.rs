@@ -3,13 +3,13 @@
 //!
 //! A jump of position or velocity cannot be executed. A step of acceleration Δa is an impulse of jerk: the
 //! jerk has no finite value there, so `planned.jerk` cannot judge it and this check holds Δa itself against
-//! a limit. A motion by linear functions with parabolic blends (the task `cartesian_via`) steps by nature,
-//! and is allowed twice the joint's acceleration limit: the step from full braking to full acceleration.
-//! Every other task is planned with continuous acceleration and is allowed no step.
+//! a limit. A motion by parabolic blends, or by cubics through points (the tasks `cartesian_via` and
+//! `joint_via`, except by virtual points), steps by nature, and is allowed twice the joint's acceleration
+//! limit: the step from full braking to full acceleration. Every other task is planned with continuous
+//! acceleration and is allowed no step.
 //!
 //! The robot stands still before and after the plan, so a plan that begins or ends in motion jumps there.
 
-use graspcheck_model::task::Task;
 use graspcheck_motion::trajectory::SMOOTH_TOLERANCE;
 
 use crate::{
@@ -18,9 +18,9 @@ use crate::{
     verdict::Unit,
 };
 
-/// How many times a joint's acceleration limit its acceleration may step by in a motion with parabolic
-/// blends: from one limit to the other.
-const PARABOLIC_BLEND_STEP: f64 = 2.0;
+/// How many times a joint's acceleration limit its acceleration may step by in a motion whose law has such
+/// steps: from one limit to the other.
+const LARGEST_STEP: f64 = 2.0;
 
 const ORDER_NAMES: [&str; 3] = ["position", "velocity", "acceleration"];
 
@@ -49,7 +49,7 @@ impl Jump {
 pub(super) fn continuity(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     let jumps = jumps(evidence);
     let count = jumps.len();
-    let steps_are_allowed = matches!(evidence.resolved.task, Task::CartesianVia(_));
+    let steps_are_allowed = evidence.resolved.task.steps_acceleration();
     let Some(worst_order) = jumps.iter().map(|jump| jump.order).min() else {
         return Ok(Finding::at_most(0.0, 0.0, Unit::Count)
             .noted("position, velocity and acceleration are continuous, from rest to rest"));
@@ -65,8 +65,8 @@ pub(super) fn continuity(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     }
     let note = match (worst.order, steps_are_allowed) {
         (2, true) => format!(
-            "{count} steps of acceleration, impulses of jerk; parabolic blends may step by {PARABOLIC_BLEND_STEP} \
-             times the acceleration limit"
+            "{count} steps of acceleration, impulses of jerk; this law may step by {LARGEST_STEP} times the \
+             acceleration limit"
         ),
         (2, false) => {
             format!("the acceleration steps, an impulse of jerk; {count} in all, and none is declared")
@@ -82,7 +82,7 @@ pub(super) fn continuity(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
 /// All jumps, inside the motion and at its ends.
 fn jumps(evidence: &Evidence<'_>) -> Vec<Jump> {
     let trajectory = &evidence.plan.trajectory;
-    let steps_are_allowed = matches!(evidence.resolved.task, Task::CartesianVia(_));
+    let steps_are_allowed = evidence.resolved.task.steps_acceleration();
     let mut found = Vec::new();
     let mut enter = |joint: usize, time: f64, order: usize, jump: f64| {
         // A NaN is a jump too.
@@ -91,7 +91,7 @@ fn jumps(evidence: &Evidence<'_>) -> Vec<Jump> {
             return;
         }
         let limit = if order == 2 && steps_are_allowed {
-            PARABOLIC_BLEND_STEP * evidence.joints()[joint].limits.acceleration
+            LARGEST_STEP * evidence.joints()[joint].limits.acceleration
         } else {
             0.0
         };

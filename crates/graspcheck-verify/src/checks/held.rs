@@ -18,7 +18,9 @@ pub(super) fn object<'e>(evidence: &'e Evidence<'_>) -> Result<&'e Object, Gap> 
 pub(super) fn task<'e>(evidence: &'e Evidence<'_>) -> Result<&'e PickAndPlace, Gap> {
     match &evidence.resolved.task {
         Task::PickAndPlace(task) => Ok(task),
-        Task::CartesianVia(_) | Task::JointSegments(_) => Err(Gap::not_requested("the task grasps nothing")),
+        Task::CartesianVia(_) | Task::JointVia(_) | Task::JointSegments(_) => {
+            Err(Gap::not_requested("the task grasps nothing"))
+        }
     }
 }
 
