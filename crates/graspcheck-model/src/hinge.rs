@@ -50,7 +50,8 @@ impl Hinge {
     }
 
     /// From the frame of the link behind the joint at position `q` to the frame of the link before it.
-    #[inline]
+    // Left to itself the compiler calls it from the recursion of the dynamics, which then takes a third longer.
+    #[inline(always)]
     pub(crate) fn parent_from_link<S: Scalar>(&self, q: S) -> Frame<S> {
         match self.kind {
             JointKind::Revolute => {

@@ -19,7 +19,7 @@
 //! let q = [0.3, 0.1, -0.1, 0.0];
 //! let near = InverseKinematics::new(&robot)?.singularity(&q);
 //! assert_eq!(near.nearest, SingularPose::Straight);
-//! assert_eq!(near.to_string(), "elbow 0.100000 rad from straight, wrist 0.000556 m from the edge of its reach");
+//! assert_eq!(near.to_string(), "elbow 0.100000 rad from straight, wrist 0.000555 m from the edge of its reach");
 //! let dexterity = SerialChain::of(&robot).dexterity(&q, 1.0);
 //! assert!((dexterity.manipulability - near.determinant).abs() < 1e-15);
 //! # Ok::<(), graspcheck_model::inverse::Unreachable>(())

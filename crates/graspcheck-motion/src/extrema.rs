@@ -219,8 +219,8 @@ fn newton_root(function: &Polynomial, degree: usize, start: Extremum, end: Extre
             high = tau;
         }
         let newton = tau - value / slope;
-        // False for NaN as well, which a slope of zero makes.
-        let converges = newton > low && newton < high && (newton - tau).abs() <= 0.5 * step_before;
+        // At the root itself the step is zero. False for NaN as well, which a slope of zero makes.
+        let converges = newton >= low && newton <= high && (newton - tau).abs() <= 0.5 * step_before;
         let next = if converges { newton } else { 0.5 * (low + high) };
         let step = (next - tau).abs();
         tau = next;
