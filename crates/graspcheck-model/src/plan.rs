@@ -3,7 +3,7 @@
 use graspcheck_motion::Trajectory;
 use serde::{Deserialize, Serialize};
 
-use crate::Pose;
+use crate::{Pose, inertia::Inertial, object::Object, robot::RobotModel};
 
 /// A planned motion: what the controller is given and what is proved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -66,6 +66,15 @@ pub struct Grasp {
     pub world_from_start: Pose,
     /// Where the plan puts it down.
     pub world_from_placed: Pose,
+}
+
+impl Grasp {
+    /// The mass properties of the object in the frame of the last link, while it is held.
+    #[must_use]
+    pub fn load(&self, robot: &RobotModel, object: &Object) -> Inertial {
+        let link_from_object = robot.link_from_tool * self.tool_from_object;
+        object.shape.inertial(object.mass).transformed(&link_from_object)
+    }
 }
 
 /// Times that a planner adds up in different orders differ by rounding only: this much, s, for each second

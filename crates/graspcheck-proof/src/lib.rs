@@ -11,7 +11,7 @@
 //! Clearance is positive apart, zero touching, negative overlapping, in m.
 //!
 //! Reading order: [`solid`], [`gap`], `chain`, [`scene`], [`contact`], `stretch`, `displacement`,
-//! [`certify`], [`certificate`], [`minimum`], [`sample`], [`hull`].
+//! [`certify`], [`certificate`], [`minimum`], [`torque`], [`sample`], [`hull`].
 
 pub mod certificate;
 pub mod certify;
@@ -29,6 +29,7 @@ pub mod sample;
 pub mod scene;
 pub mod solid;
 mod stretch;
+pub mod torque;
 
 pub use certificate::{Certificate, Doubt, Leaf, PairCertificate, PairVerdict, ProofOutcome, Violation};
 pub use contact::{Contact, RequiredPair};
@@ -37,3 +38,4 @@ pub use hull::hull_triangles;
 pub use minimum::MarginBounds;
 pub use sample::Sampler;
 pub use scene::Scene;
+pub use torque::{TorquePeak, torque_peaks};

@@ -192,9 +192,7 @@ fn with_fingers(arm: &[f64], finger: f64) -> Vec<f64> {
 
 /// Mass properties of the object in the frame of the last link while it is held.
 fn held_object(robot: &RobotModel, object: Option<&Object>, plan: &Plan) -> Option<Inertial> {
-    let (object, grasp) = (object?, plan.grasp.as_ref()?);
-    let link_from_object = robot.link_from_tool * grasp.tool_from_object;
-    Some(object.shape.inertial(object.mass).transformed(&link_from_object))
+    Some(plan.grasp.as_ref()?.load(robot, object?))
 }
 
 fn refuse_penetration(

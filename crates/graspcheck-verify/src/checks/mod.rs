@@ -14,6 +14,7 @@ mod limits;
 mod opening;
 mod place;
 mod slip;
+mod torque;
 mod utilisation;
 mod via;
 
@@ -39,6 +40,7 @@ pub const CHECKS: &[Check] = &[
     Check { name: "planned.velocity", basis: Basis::Exact, find: limits::velocity },
     Check { name: "planned.acceleration", basis: Basis::Exact, find: limits::acceleration },
     Check { name: "planned.jerk", basis: Basis::Exact, find: limits::jerk },
+    Check { name: "planned.torque", basis: Basis::Proved, find: torque::torque },
     Check { name: "planned.continuity", basis: Basis::Exact, find: continuity::continuity },
     Check { name: "planned.clearance", basis: Basis::Proved, find: clearance::clearance },
     Check { name: "planned.certificate", basis: Basis::Proved, find: clearance::certificate },
