@@ -43,7 +43,7 @@ fn arms_of_the_oracle() -> Vec<(RobotModel, Value)> {
                 "scara" => load("scara/pick_cube"),
                 "rrr" => load("rrr/shelf_top_down"),
                 "six" => arms::six(),
-                other => panic!("{other} is not an arm of ours"),
+                other => unreachable!("{other} is not an arm of the oracle"),
             };
             (robot, arm.clone())
         })

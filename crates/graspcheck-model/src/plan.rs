@@ -125,8 +125,9 @@ impl Plan {
             if !same(*start, end) {
                 return fault(format!("the start of phase {name}"), seconds(*start), seconds(end));
             }
-            // Written so that NaN is a fault.
-            if !(*next >= *start) {
+            // A comparison with NaN is false, which is a fault.
+            let in_order = *next >= *start;
+            if !in_order {
                 let expected = format!("{start} s or later");
                 return fault(format!("the end of phase {name}"), seconds(*next), expected);
             }
