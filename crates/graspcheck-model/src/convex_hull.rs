@@ -3,6 +3,19 @@
 //! Incremental: a tetrahedron grows by one point at a time; the faces that see the new point are replaced
 //! by the cone from it over their horizon (de Berg et al., *Computational Geometry*, chapter 11, without
 //! the conflict graph: meshes of robot links are small).
+//!
+//! ```
+//! use graspcheck_model::convex_hull::ConvexHull;
+//! use nalgebra::Point3;
+//!
+//! // A tetrahedron with a point inside, which is no corner of the hull. Its volume is 1/6.
+//! let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1, 0.1, 0.1]];
+//! let hull = ConvexHull::of(&corners.map(Point3::from))?;
+//! assert_eq!(hull.faces.len(), 4);
+//! let (volume, center, _) = hull.volume_properties();
+//! assert!((volume - 1.0 / 6.0).abs() < 1e-15 && (center.x - 0.25).abs() < 1e-15);
+//! # Ok::<(), graspcheck_model::error::ModelError>(())
+//! ```
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,17 @@
 //! Mass properties of rigid bodies.
+//!
+//! ```
+//! use graspcheck_model::{Pose, inertia::Inertial, shape::Shape};
+//! use nalgebra::Vector3;
+//!
+//! // Two balls of 1 kg and 0.1 m, 1 m apart: 2·(2/5 m r²) along the line, and 2·m·(1/2)² more across it.
+//! let ball = Shape::Sphere { radius: 0.1 }.inertial(1.0);
+//! let beside = ball.transformed(&Pose::new(Vector3::x(), Vector3::zeros()));
+//! let both = Inertial::combine(&[ball, beside]);
+//! assert_eq!((both.mass, both.center.x), (2.0, 0.5));
+//! assert!((both.tensor[(0, 0)] - 0.008).abs() < 1e-15 && (both.tensor[(1, 1)] - 0.508).abs() < 1e-15);
+//! assert!(both.validate().is_ok());
+//! ```
 
 use nalgebra::{Matrix3, Point3, Vector3};
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,24 @@
 //! Forward kinematics and the Jacobian of any serial arm.
 //!
-//! `q` is the vector of joint positions (rad or m), `qd` its rate.
+//! `q` is the vector of joint positions (rad or m), `qd` its rate. Each joint's transform is multiplied to that of
+//! the link before it: `world_from_link = world_from_base · Π parent_from_link(qₖ)` (Siciliano et al., *Robotics:
+//! Modelling, Planning and Control*, 2.8).
+//!
+//! ```
+//! use graspcheck_model::example;
+//!
+//! let robot = example::planar(); // 4, 3 and 1 m
+//! let q = [0.3, 0.8, -0.5];
+//! let tool = robot.world_from_tool(&q);
+//! assert!((tool.translation.vector.y - (4.0 * 0.3_f64.sin() + 3.0 * 1.1_f64.sin() + 0.6_f64.sin())).abs() < 1e-14);
+//! // The end of link 2 is where the frame of the last link has its origin.
+//! assert_eq!(robot.world_from_wrist(&q), robot.forward(&q)[2]);
+//! // How fast the tool moves when the shoulder turns by 1 rad/s: perpendicular to its arm.
+//! let velocity = robot.tool_jacobian(&q).column(0).clone_owned();
+//! assert!((velocity[0] + tool.translation.vector.y).abs() < 1e-14);
+//! assert!((velocity[1] - tool.translation.vector.x).abs() < 1e-14);
+//! assert_eq!(velocity[5], 1.0);
+//! ```
 
 use nalgebra::{Isometry3, Matrix6xX, Translation3, UnitQuaternion, Vector3};
 

@@ -1,4 +1,16 @@
 //! Convex solids, the only geometry that collides.
+//!
+//! ```
+//! use graspcheck_model::shape::Shape;
+//! use nalgebra::Vector3;
+//!
+//! let rod = Shape::Capsule { radius: 0.1, half_length: 0.5 };
+//! // The point farthest along a direction, and the moments of a body of this shape.
+//! assert!((rod.support(&Vector3::z()).z - 0.6).abs() < 1e-15);
+//! assert!(rod.inertial(2.0).tensor[(0, 0)] > rod.inertial(2.0).tensor[(2, 2)]);
+//! let nothing = Shape::Sphere { radius: -0.1 }.validate().expect_err("no ball");
+//! assert!(nothing.to_string().contains("-0.1 m must be positive"));
+//! ```
 
 use std::f64::consts::PI;
 

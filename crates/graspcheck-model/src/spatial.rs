@@ -4,6 +4,21 @@
 //! nalgebra stays the linear algebra of everything else. Its products multiply by one and add zero, which is
 //! exact for floats and not free for intervals, and it has no product of a constant float matrix with a
 //! vector of another kind; here constants stay floats.
+//!
+//! ```
+//! use graspcheck_model::{Pose, spatial::{Frame, Vector}};
+//! use graspcheck_motion::Dual;
+//! use nalgebra::Vector3;
+//!
+//! // A point 2 m along x of a frame that is turned by 90° about z and stands at (1, 0, 0).
+//! let pose = Pose::new(Vector3::x(), Vector3::z() * std::f64::consts::FRAC_PI_2);
+//! let [x, y, z] = Frame::constant(&pose).apply(Vector([2.0, 0.0, 0.0])).0;
+//! assert!((x - 1.0).abs() < 1e-15 && (y - 2.0).abs() < 1e-15 && z == 0.0);
+//! // The same with a point that moves: its velocity turns along.
+//! let along = Dual { value: 2.0, rate: 3.0 };
+//! let moved = Frame::constant(&pose).apply(Vector::along(&Vector3::x(), along));
+//! assert!((moved.0[1].rate - 3.0).abs() < 1e-15);
+//! ```
 
 use std::ops::{Add, AddAssign, Sub};
 

@@ -11,6 +11,18 @@
 //! ψ is the *turn of the tool*: the rotation about the base's z that takes the tool from where it points
 //! at the zero position to where it points now. The quill of a SCARA adds its position to the tool's
 //! height; a planar arm keeps the height.
+//!
+//! ```
+//! use graspcheck_model::{example, robot::Family, structure::PlanarGeometry};
+//! let geometry = PlanarGeometry::of(&example::scara())?;
+//! assert!(matches!(geometry.family(), Family::Scara { upper, fore } if (upper - 0.25).abs() + (fore - 0.2).abs() < 1e-15));
+//! // An arm that does not fit says why.
+//! let mut leaning = example::scara();
+//! leaning.joints[1].axis = nalgebra::Unit::new_normalize(nalgebra::Vector3::new(0.0, 0.1, 1.0));
+//! let why = PlanarGeometry::of(&leaning).expect_err("no closed form");
+//! assert_eq!(why, "the axis of joint elbow leans 9.967e-2 rad from the base's z");
+//! # Ok::<(), String>(())
+//! ```
 
 use nalgebra::{Point2, Point3, UnitQuaternion, Vector2, Vector3};
 

@@ -190,3 +190,31 @@ fn a_pose_out_of_reach_names_the_bound_and_what_is_lacking() {
     assert!((reach - expected).abs() < 1e-15 && (excess - (0.44 - expected)).abs() < 1e-15);
     assert!((limit - 1.0).abs() < 1e-15);
 }
+
+/// Section 7 of the worked examples: l₁ = 4, l₂ = 3, the line y = 1 touches the circle of the folded arm.
+#[test]
+fn a_line_that_touches_the_inner_circle_folds_the_arm_in_one_point_and_changes_its_branch() {
+    let robot = arms::rrr();
+    let inverse = inverse(&robot);
+    // Wrist at (x, 1); the hand points along x.
+    let pose = |x: f64| {
+        Pose::from_parts(Vector3::new(x + 1.0, 1.0, 0.0).into(), nalgebra::UnitQuaternion::identity())
+    };
+    for x in [-3.0, -1.0, -0.1, 0.0, 0.5, 2.0] {
+        for solution in inverse.solve(&pose(x)).expect("on or outside the circle") {
+            assert!((solution.q[1].cos() - (-1.0 + x * x / 24.0)).abs() < 1e-12, "{solution:?}");
+        }
+    }
+    let folded = inverse.singularity(&inverse.solve(&pose(0.0)).expect("on the circle")[0].q);
+    assert_eq!(folded.nearest, SingularPose::Folded);
+    assert!(folded.angle < 1e-6 && folded.wrist_distance < 1e-12, "{folded}");
+    // The elbow passes π with 1/√12 rad/m: left of the middle on one branch, right of it on the other.
+    let elbow = |x: f64, side: Elbow| {
+        let mut q = [0.0; 3];
+        inverse.solve_near(&pose(x), side, &[0.0, PI, 0.0], &mut q).expect("outside the circle");
+        q[1]
+    };
+    let step = 1e-3;
+    let slope = (elbow(step, Elbow::Right) - elbow(-step, Elbow::Left)) / (2.0 * step);
+    assert!((slope - 1.0 / 12.0_f64.sqrt()).abs() < 1e-6, "{slope}");
+}

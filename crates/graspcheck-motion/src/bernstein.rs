@@ -17,6 +17,19 @@
 //! of its terms at most 2n times, which is n ε times the derivative of order k of `Σ |cᵢ| τⁱ` at τ = |a| + h;
 //! call that M. The sums above are at most M too. Everything together is less than (3n + 3) ε M, and one ε M
 //! more covers terms of second order and the rounding of M itself.
+//!
+//! ```
+//! use graspcheck_motion::bernstein::{Proof, bounds, proves_within};
+//! use graspcheck_motion::Polynomial;
+//!
+//! // 3τ² − 2τ³ on one second: the velocity peaks at 1.5, its Bernstein coefficients are 0, 3, 0.
+//! let p = Polynomial::new([0.0, 0.0, 3.0, -2.0]);
+//! let [_, upper] = bounds(&p, 1, 1.0);
+//! assert!((upper - 3.0).abs() < 1e-12);
+//! // Halving brings the bound as near to the peak as the proof needs.
+//! assert_eq!(proves_within(&p, 1, 1.0, -0.1, 1.500_001), Proof::Within);
+//! assert!(matches!(proves_within(&p, 1, 1.0, -0.1, 1.499_999), Proof::Outside { .. }));
+//! ```
 
 use crate::interval::Interval;
 use crate::polynomial::{MAX_DEGREE, Polynomial};

@@ -1,4 +1,21 @@
 //! How smooth a motion is where its pieces meet.
+//!
+//! A motion is of class Cⁿ when its first n derivatives are continuous. A drive can follow C1 only with a step of
+//! torque, and C0 not at all. Jumps are measured at every knot, right minus left, and held against what rounding
+//! can account for.
+//!
+//! ```
+//! use graspcheck_motion::{ContinuityClass, Polynomial, Trajectory};
+//!
+//! // 20° → 80° → 25° in 5 s each by two cubics that meet at 10°/s: the acceleration jumps from −6.4 to −21.2°/s².
+//! let pieces = vec![Polynomial::new([20.0, 0.0, 5.2, -0.56]), Polynomial::new([80.0, 10.0, -10.6, 1.28])];
+//! let found = Trajectory::new(1, vec![0.0, 5.0, 10.0], pieces)?.continuity();
+//! assert_eq!(found.class, ContinuityClass::C1);
+//! let jump = found.jumps[0];
+//! assert_eq!((jump.time, jump.joint, jump.order), (5.0, 0, 2));
+//! assert!((jump.size + 14.8).abs() < 1e-12);
+//! # Ok::<(), graspcheck_motion::TrajectoryError>(())
+//! ```
 
 use crate::polynomial::Polynomial;
 use crate::trajectory::{Break, SMOOTH_TOLERANCE, Trajectory};

@@ -9,6 +9,20 @@
 //! A value that rounding alone could have made counts as zero at the very point where it was found. Had
 //! the true root been beside it, the derivative would be within rounding of zero all the way there, and
 //! the extremum would not differ by more than that.
+//!
+//! ```
+//! use graspcheck_motion::Polynomial;
+//!
+//! // A cubic from 10° to 40° in 1 s with −50°/s at both ends leaves the interval [10°, 40°] on both sides.
+//! let p = Polynomial::new([10.0, -50.0, 240.0, -160.0]);
+//! let [low, high] = p.range(0, 0.0, 1.0);
+//! assert!((low.value - 7.178_872).abs() < 1e-6 && (low.tau - 0.118_119).abs() < 1e-6);
+//! assert!((high.value - 42.821_128).abs() < 1e-6 && (high.tau - 0.881_881).abs() < 1e-6);
+//! // Velocity, acceleration and jerk in one go: the velocity peaks at 70°/s in the middle.
+//! let [velocity, acceleration, jerk] = p.rate_ranges(0.0, 1.0);
+//! assert_eq!((velocity[1].value, velocity[1].tau), (70.0, 0.5));
+//! assert_eq!((acceleration[1].value, jerk[0].value), (480.0, -960.0));
+//! ```
 
 use crate::polynomial::{MAX_DEGREE, Polynomial};
 

@@ -200,6 +200,12 @@ impl Interval {
 
     /// This interval with both ends moved out by `distance`.
     ///
+    /// ```
+    /// use graspcheck_motion::Interval;
+    /// let x = Interval::between(1.0, 2.0).widened(0.5);
+    /// assert_eq!((x.lower(), x.upper(), x.middle(), x.width()), (0.5, 2.5, 1.5, 2.0));
+    /// ```
+    ///
     /// # Panics
     /// When `distance` is negative or NaN.
     #[must_use]

@@ -1,4 +1,20 @@
 //! Peaks, ranges and violations of a motion, exact between its knots.
+//!
+//! ```
+//! use graspcheck_motion::{Polynomial, Trajectory};
+//!
+//! // 1 rad in 2 s, rest to rest: a quintic peaks at 15/8 h/T, 10/√3 h/T² and 60 h/T³.
+//! let swing = Polynomial::quintic_hermite([0.0; 3], [1.0, 0.0, 0.0], 2.0);
+//! let motion = Trajectory::new(1, vec![0.0, 2.0], vec![swing])?;
+//! let peak = motion.peak(0, 1);
+//! assert!((peak.value - 15.0 / 16.0).abs() < 1e-12 && (peak.time - 1.0).abs() < 1e-12);
+//! assert!((motion.peak(0, 2).value.abs() - 2.5 / 3.0_f64.sqrt()).abs() < 1e-12);
+//! assert!((motion.peak(0, 3).value - 7.5).abs() < 1e-12);
+//! // Where the velocity is above 0.9 rad/s: an interval around the middle, not a sample.
+//! let [[from, to]] = motion.exceeds(0, 1, -0.9, 0.9)[..] else { panic!("one interval") };
+//! assert!((motion.eval(from).qd[0] - 0.9).abs() < 1e-12 && (from + to - 2.0).abs() < 1e-12);
+//! # Ok::<(), graspcheck_motion::TrajectoryError>(())
+//! ```
 
 use crate::extrema::{Extremum, root_between};
 use crate::polynomial::Polynomial;

@@ -1,4 +1,25 @@
 //! One scalar polynomial in local time.
+//!
+//! The cubic and the quintic are the simplest laws between two states: four and six boundary values fix four and
+//! six coefficients (Siciliano et al., *Robotics: Modelling, Planning and Control*, 4.2.1).
+//!
+//! ```
+//! use graspcheck_motion::Polynomial;
+//!
+//! // From rest at 50° to rest at 80° in 3 s by the cubic 3s² − 2s³, in degrees: the peak velocity is 1.5 h/T.
+//! let cubic = Polynomial::new([50.0, 0.0, 10.0, -20.0 / 9.0]);
+//! let [q, qd, qdd, _] = cubic.eval(1.5);
+//! assert!((q - 65.0).abs() < 1e-12 && (qd - 15.0).abs() < 1e-12 && qdd.abs() < 1e-12);
+//!
+//! // The quintic takes accelerations too: 15/8 h/T.
+//! let quintic = Polynomial::quintic_hermite([50.0, 0.0, 0.0], [80.0, 0.0, 0.0], 3.0);
+//! assert!((quintic.eval(1.5)[1] - 15.0 / 8.0 * 10.0).abs() < 1e-12);
+//! assert_eq!(quintic.degree(), 5);
+//!
+//! // Derivatives, and the same motion seen from a later start.
+//! assert!((cubic.derivative().eval(1.0)[0] - cubic.eval(1.0)[1]).abs() < 1e-12);
+//! assert!((cubic.shifted(1.0).eval(0.5)[0] - cubic.eval(1.5)[0]).abs() < 1e-12);
+//! ```
 
 use serde::{Deserialize, Serialize};
 
@@ -17,8 +38,11 @@ pub struct Polynomial {
 impl Polynomial {
     /// The polynomial with these coefficients, ascending by power.
     ///
-    /// # Panics
-    /// Never; the length is bounded by the type.
+    /// More than eight of them do not compile.
+    ///
+    /// ```compile_fail
+    /// let ninth = graspcheck_motion::Polynomial::new([0.0; 9]);
+    /// ```
     #[must_use]
     pub fn new<const N: usize>(coefficients: [f64; N]) -> Self {
         const { assert!(N <= MAX_DEGREE + 1, "a Polynomial has at most 8 coefficients") };

@@ -1,4 +1,22 @@
 //! The commanded motion of all joints: piecewise polynomials over common knots.
+//!
+//! ```
+//! use graspcheck_motion::{Polynomial, Trajectory, TrajectoryError};
+//!
+//! // One joint swings by 1 rad in 2 s and then stays; the other stays throughout.
+//! let swing = Polynomial::quintic_hermite([0.0; 3], [1.0, 0.0, 0.0], 2.0);
+//! let still = Polynomial::constant(0.5);
+//! let motion = Trajectory::new(2, vec![0.0, 2.0], vec![swing, still])?.then(&Trajectory::hold(&[1.0, 0.5], 1.0)?)?;
+//! assert_eq!(motion.knots(), [0.0, 2.0, 3.0]);
+//! assert!(motion.breaks().is_empty());
+//! let state = motion.eval(1.0);
+//! assert!((state.q[0] - 0.5).abs() < 1e-15 && (state.qd[0] - 15.0 / 16.0).abs() < 1e-15);
+//!
+//! // What cannot be a motion is no Trajectory: the error says where.
+//! let error = Trajectory::new(1, vec![0.0, 2.0, 2.0], vec![swing, swing]).expect_err("no time passes");
+//! assert_eq!(error.to_string(), "knot 2: time 2 s must be finite and later than the knot before it, at 2 s");
+//! # Ok::<(), TrajectoryError>(())
+//! ```
 
 use serde::{Deserialize, Serialize};
 
