@@ -14,6 +14,12 @@
 //! Reading order. The data: [`shape`], [`inertia`], [`robot`], [`cell`], [`object`], [`task`], [`plan`],
 //! [`execution`]. What is computed from it: [`kinematics`], [`structure`] and [`inverse`], [`dynamics`].
 //! Where a robot comes from: [`urdf`] and [`settings`], put together by [`assemble`].
+//!
+//! Each number has two ways to it. Poses come from quaternions ([`kinematics`]), from closed forms ([`structure`]) and
+//! from a product of matrices for any arm ([`chain`]). Joint positions come from closed forms with all branches
+//! ([`inverse`]; [`reach`] says why there are none) and from a search for any arm ([`numerical`]). [`singularity`] has a
+//! formula and singular values. Torques at an instant ([`dynamics`]) and over a stretch of time ([`torque_bounds`]) are
+//! one recursion over different numbers ([`spatial`]).
 
 pub mod assemble;
 pub mod cell;
