@@ -1,6 +1,9 @@
 //! What a check has found, before it becomes a [`CheckResult`](crate::CheckResult).
 
-use crate::verdict::{Place, Unit};
+use crate::{
+    note::Note,
+    verdict::{Place, Unit},
+};
 
 /// A relative excess over a limit that is rounding: a motion planned to *reach* a limit comes out of about
 /// a hundred operations, each with an error of 1.1e-16, on numbers that cancel by a few digits.
@@ -19,7 +22,7 @@ pub(crate) struct Finding {
     pub(crate) time: Option<f64>,
     pub(crate) violated: Option<[f64; 2]>,
     pub(crate) place: Place,
-    pub(crate) note: String,
+    pub(crate) note: Note,
 }
 
 impl Finding {
@@ -35,7 +38,7 @@ impl Finding {
             time: None,
             violated: None,
             place: Place::default(),
-            note: String::new(),
+            note: Note::default(),
         }
     }
 
@@ -87,7 +90,7 @@ impl Finding {
         self
     }
 
-    pub(crate) fn noted(mut self, note: impl Into<String>) -> Self {
+    pub(crate) fn noted(mut self, note: impl Into<Note>) -> Self {
         self.note = note.into();
         self
     }
@@ -97,29 +100,29 @@ impl Finding {
 #[derive(Clone, Debug)]
 pub(crate) enum Gap {
     /// The run was not asked for what the check reads.
-    NotRequested(String),
+    NotRequested(Note),
     /// What the check reads is missing, incomplete or undecided.
     Inconclusive {
         /// Where the trouble begins, s.
         time: Option<f64>,
         /// What is missing.
-        note: String,
+        note: Note,
     },
     /// What the check reads is there and cannot be: a simulation that is not finite has failed.
     Broken {
         /// Where the trouble begins, s.
         time: f64,
         /// What is wrong.
-        note: String,
+        note: Note,
     },
 }
 
 impl Gap {
-    pub(crate) fn not_requested(note: impl Into<String>) -> Self {
+    pub(crate) fn not_requested(note: impl Into<Note>) -> Self {
         Self::NotRequested(note.into())
     }
 
-    pub(crate) fn inconclusive(time: Option<f64>, note: impl Into<String>) -> Self {
+    pub(crate) fn inconclusive(time: Option<f64>, note: impl Into<Note>) -> Self {
         Self::Inconclusive { time, note: note.into() }
     }
 }

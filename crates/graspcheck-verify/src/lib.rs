@@ -14,6 +14,7 @@
 //! | `planned.continuity` | no joint jumps; acceleration steps only in motions with parabolic blends, by at most twice its limit |
 //! | `planned.clearance` | every pair of bodies keeps the distance it must, proved again here for every instant |
 //! | `planned.certificate` | the proof that travelled with the log is the proof that is found here |
+//! | `planned.torque` | no joint takes more than its effort limit, with what is held |
 //! | `planned.via` | the wrist passes near each via point at its time |
 //! | `planned.utilisation` | the plan uses the share of velocity and acceleration that the scenario claims |
 //! | `executed.position`, `.velocity` | the measured joints are within their limits |
@@ -25,7 +26,7 @@
 //! | `executed.place`, `.place_angle`, `.rest` | the object ends where it belongs, at rest |
 //! | `executed.utilisation` | the execution uses the share of torque that the scenario claims |
 //!
-//! Reading order: [`resolved`], [`evidence`], [`checks`], [`judge()`], [`verdict`].
+//! Reading order: [`resolved`], [`evidence`], [`checks`], [`judge()`], [`verdict`], [`note`].
 
 pub mod checks;
 pub mod evidence;
@@ -33,6 +34,7 @@ mod finding;
 #[cfg(test)]
 mod fixture;
 mod judge;
+pub mod note;
 pub mod resolved;
 mod stream;
 pub mod verdict;
@@ -42,5 +44,6 @@ pub use evidence::{
     CERTIFICATE_JSON, Evidence, EvidenceError, PLAN_JSON, RESOLVED_JSON, VERDICT_JSON, attach,
 };
 pub use judge::{is_meant_by, judge};
+pub use note::{Note, NotePart};
 pub use resolved::{CheckLimits, Expectation, Resolved};
 pub use verdict::{Basis, CheckResult, Outcome, Place, Unit, Verdict};

@@ -253,5 +253,5 @@ pub(crate) fn seconds(time_ns: i64) -> f64 {
 }
 
 fn not_finite(stream: &'static str, what: &str, value: f64, time: f64) -> Gap {
-    Gap::Broken { time, note: format!("stream {stream}: {what} is {value} at t = {time} s") }
+    Gap::Broken { time, note: format!("stream {stream}: {what} is {value} at t = {time} s").into() }
 }

@@ -4,10 +4,13 @@
 use graspcheck_model::robot::JointKind;
 use serde::{Deserialize, Serialize};
 
-use crate::evidence::{EvidenceError, VERDICT_JSON, decode};
+use crate::{
+    evidence::{EvidenceError, VERDICT_JSON, decode},
+    note::Note,
+};
 
 /// Version of the form of the verdict's JSON.
-pub const VERDICT_SCHEMA: u32 = 1;
+pub const VERDICT_SCHEMA: u32 = 2;
 
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -87,6 +90,26 @@ impl Unit {
         }
     }
 
+    /// Its symbol; empty for what is counted.
+    #[must_use]
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::One | Self::Count => "",
+            Self::Second => "s",
+            Self::Steps => "steps",
+            Self::Meter => "m",
+            Self::MeterPerSecond => "m/s",
+            Self::MeterPerSecond2 => "m/s²",
+            Self::MeterPerSecond3 => "m/s³",
+            Self::Radian => "rad",
+            Self::RadianPerSecond => "rad/s",
+            Self::RadianPerSecond2 => "rad/s²",
+            Self::RadianPerSecond3 => "rad/s³",
+            Self::Newton => "N",
+            Self::NewtonMeter => "N·m",
+        }
+    }
+
     /// The unit of a joint's effort: N·m or N.
     #[must_use]
     pub fn of_effort(kind: JointKind) -> Self {
@@ -135,9 +158,8 @@ pub struct CheckResult {
     pub place: Place,
     /// How the value is known.
     pub basis: Basis,
-    /// One sentence: place, quantity, value, verb, limit, time. SI in machine output, degrees and
-    /// millimetres are a matter of rendering; this is for what a table cannot say.
-    pub note: String,
+    /// What a table cannot say.
+    pub note: Note,
 }
 
 /// The judgement of a run.
@@ -239,8 +261,8 @@ mod tests {
             Verdict::from_json("{}"),
             Err(EvidenceError::Undecodable { name: VERDICT_JSON, .. })
         ));
-        let future = fixture::pick().judged().to_json().replacen("\"schema\": 1", "\"schema\": 2", 1);
-        assert!(matches!(Verdict::from_json(&future), Err(EvidenceError::UnknownSchema { found: 2, .. })));
+        let future = fixture::pick().judged().to_json().replacen("\"schema\": 2", "\"schema\": 3", 1);
+        assert!(matches!(Verdict::from_json(&future), Err(EvidenceError::UnknownSchema { found: 3, .. })));
     }
 
     #[test]

@@ -123,7 +123,7 @@ fn a_run_without_execution_says_so_and_has_files_of_its_own() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(text.contains("plan only   not executed"), "{text}");
-    assert!(text.contains("PASS  7 checks of the plan;") && text.ends_with("; not executed\n"), "{text}");
+    assert!(text.contains(" checks of the plan; tightest") && text.ends_with("; not executed\n"), "{text}");
     let executed = text.split("executed\n").nth(1).unwrap_or_default();
     assert!(!executed.contains("not requested"), "{text}");
     assert!(out.join("scara/pick_cube/plan.mcap").is_file());
@@ -142,7 +142,7 @@ fn without_execution_its_expected_failures_do_not_count() {
     let (output, _) = graspcheck("no_simulate_none", &["run", "negative::weak_grip", "--no-simulate"]);
     assert_eq!(output.status.code(), Some(11), "{}", stderr(&output));
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(text.contains("NOT JUDGED  7 checks of the plan pass"), "{text}");
+    assert!(text.contains("NOT JUDGED  ") && text.contains(" checks of the plan pass"), "{text}");
     assert!(!text.contains("PASS"), "{text}");
 
     let (output, _) = graspcheck("no_simulate_suite", &["run", "negative", "--no-simulate"]);

@@ -11,6 +11,7 @@ use graspcheck_proof::{
 use crate::{
     evidence::Evidence,
     finding::{Finding, Gap, worst_by},
+    note::Note,
     verdict::Unit,
 };
 
@@ -93,11 +94,13 @@ fn violated(evidence: &Evidence<'_>) -> Result<Option<Finding>, Gap> {
     // better than as deeper than it may be.
     worst.passes = false;
     worst.margin = worst.margin.min(0.0);
-    let [a, b] = [a, b].map(|[x, y, z]| format!("({x:.4}, {y:.4}, {z:.4}) m"));
     let count = proof.certificate.violations().count();
-    Ok(Some(
-        worst.noted(format!("at {a} and {b}; {} pairs of solids are nearer than they may be", count.max(1))),
-    ))
+    Ok(Some(worst.noted(Note::from("at ").vector(a, Unit::Meter).and(" and ").vector(b, Unit::Meter).and(
+        match count {
+            0 | 1 => "; no other pair of solids is nearer than it may be".to_owned(),
+            count => format!("; {count} pairs of solids are nearer than they may be"),
+        },
+    ))))
 }
 
 fn undecided(pairs: &[PairCertificate]) -> Gap {
@@ -116,10 +119,13 @@ fn undecided(pairs: &[PairCertificate]) -> Gap {
         return Gap::inconclusive(None, "there is no pair of bodies to look at");
     };
     let [low, high] = doubt.distance;
-    let note = format!(
-        "{} - {}: the distance of {low} m to {high} m is too near to the required {} m to tell",
-        pair.a, pair.b, doubt.required
-    );
+    let note = Note::from(format!("{} - {}: the distance of ", pair.a, pair.b))
+        .quantity(low, Unit::Meter)
+        .and(" to ")
+        .quantity(high, Unit::Meter)
+        .and(" is too near to the required ")
+        .quantity(doubt.required, Unit::Meter)
+        .and(" to tell");
     Gap::inconclusive(Some(doubt.interval[0]), note)
 }
 

@@ -12,6 +12,7 @@ use graspcheck_recording::ContactSample;
 use crate::{
     evidence::Evidence,
     finding::{Finding, Gap},
+    note::Note,
     stream::{self, seconds},
     verdict::Unit,
 };
@@ -75,7 +76,7 @@ pub(super) fn contacts(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     };
     finding.violated = violated;
     if fault_count > 1 {
-        finding.note = format!("{}; {fault_count} such samples in all", finding.note);
+        finding.note = finding.note.and(format!("; {fault_count} such samples in all"));
     }
     Ok(finding)
 }
@@ -116,9 +117,10 @@ fn seen(contact: &ContactSample, rule: Option<&RequiredPair>) -> Option<(Gravity
         (Some(reason), Some(_)) => reason,
         _ => "they may not touch in this phase",
     };
-    let note = format!("depth {depth:.6} m, force {force:.3} N; {why}");
+    let note =
+        Note::from("depth ").quantity(depth, Unit::Meter).and(", force ").quantity(force, Unit::Newton);
     let bodies = [contact.body_a.as_str(), contact.body_b.as_str()];
-    Some((gravity, finding.at(seconds(contact.time_ns)).of(bodies).noted(note)))
+    Some((gravity, finding.at(seconds(contact.time_ns)).of(bodies).noted(note.and(format!("; {why}")))))
 }
 
 #[cfg(test)]
@@ -148,7 +150,11 @@ mod tests {
         assert_eq!(result.place.subjects, ["palm", "table"]);
         assert_eq!(result.place.phase.as_deref(), Some("carry"));
         assert_eq!(result.violated, Some([4.0, 4.5]));
-        assert!(result.note.contains("0.000100 m") && result.note.contains("3.000 N"), "{}", result.note);
+        assert!(
+            result.note.to_string().contains("0.0001 m") && result.note.to_string().contains("3 N"),
+            "{}",
+            result.note
+        );
     }
 
     #[test]

@@ -165,7 +165,7 @@ mod tests {
         let first = Polynomial::quintic_hermite([0.2, 0.0, 0.0], [0.1, 0.0, 0.5], 1.0);
         let result = with_lift(first, rest_to_rest(0.1, 0.02, 1.0)).check("planned.continuity");
         assert_eq!((result.outcome, result.unit), (Outcome::Fail, Unit::MeterPerSecond2));
-        assert!(result.note.contains("impulse of jerk"), "{}", result.note);
+        assert!(result.note.to_string().contains("impulse of jerk"), "{}", result.note);
     }
 
     #[test]

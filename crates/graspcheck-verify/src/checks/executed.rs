@@ -239,7 +239,7 @@ mod tests {
         for name in STREAM_CHECKS {
             let result = run.check(name);
             assert_eq!(result.outcome, Outcome::Inconclusive, "{result:?}");
-            assert!(result.note.contains("is empty"), "{}", result.note);
+            assert!(result.note.to_string().contains("is empty"), "{}", result.note);
         }
         let mut run = fixture::pick();
         run.recording.measured.names[0] = "another".into();

@@ -6,6 +6,7 @@ use crate::{
     checks::held,
     evidence::Evidence,
     finding::{Finding, Gap, worst_by},
+    note::Note,
     stream::{self, seconds},
     verdict::Unit,
 };
@@ -59,7 +60,7 @@ pub(super) fn grip(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
         .at(time)
         .of(fingers.iter().map(|finger| finger.link.name.as_str()))
         .during(evidence.phase_name(time))
-        .noted(format!("{} N were asked of each finger", grasp.force)))
+        .noted(Note::default().quantity(grasp.force, Unit::Newton).and(" were asked of each finger")))
 }
 
 #[cfg(test)]

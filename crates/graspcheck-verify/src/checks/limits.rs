@@ -9,6 +9,7 @@ use graspcheck_model::robot::JointLimits;
 use crate::{
     evidence::Evidence,
     finding::{Finding, Gap, ROUNDING, worst_by},
+    note::Note,
     verdict::Unit,
 };
 
@@ -87,7 +88,9 @@ fn located(finding: Finding, joint: usize, violated: &[[f64; 2]], evidence: &Evi
     located.violated = Some([first, last]);
     if violated.len() > 1 {
         let total: f64 = violated.iter().map(|[from, to]| to - from).sum();
-        located.note = format!("{} intervals of all joints, {total:.4} s in all", violated.len());
+        located.note = Note::from(format!("{} intervals of all joints, ", violated.len()))
+            .quantity(total, Unit::Second)
+            .and(" in all");
     }
     located
 }

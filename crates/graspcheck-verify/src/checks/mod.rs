@@ -21,6 +21,7 @@ mod via;
 use crate::{
     evidence::Evidence,
     finding::{Finding, Gap},
+    note::Note,
     verdict::{Basis, CheckResult, Outcome, Place, Unit},
 };
 
@@ -82,7 +83,7 @@ impl Check {
     fn judged(&self, finding: Finding) -> CheckResult {
         let Finding { value, limit, margin, time, .. } = finding;
         if !(value.is_finite() && limit.is_finite() && margin.is_finite()) {
-            let note = format!("the value is {value}, held against {limit}");
+            let note = Note::from(format!("the value is {value}, held against {limit}"));
             return CheckResult { place: finding.place, ..self.without_value(Outcome::Fail, time, note) };
         }
         CheckResult {
@@ -102,7 +103,7 @@ impl Check {
         }
     }
 
-    fn without_value(&self, outcome: Outcome, time: Option<f64>, note: String) -> CheckResult {
+    fn without_value(&self, outcome: Outcome, time: Option<f64>, note: Note) -> CheckResult {
         CheckResult {
             check: self.name.to_owned(),
             outcome,

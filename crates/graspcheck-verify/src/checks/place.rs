@@ -5,6 +5,7 @@ use crate::{
     checks::held,
     evidence::Evidence,
     finding::{Finding, Gap},
+    note::Note,
     stream::{self, PoseSample},
     verdict::Unit,
 };
@@ -22,7 +23,7 @@ pub(super) fn place(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     let apart = end.world_from_body.translation.vector - task.world_from_placed.translation.vector;
     let finding = Finding::at_most(apart.norm(), limit, Unit::Meter);
     Ok(at_end(finding, &end, evidence)?
-        .noted(format!("off by ({:.6}, {:.6}, {:.6}) m in the world", apart.x, apart.y, apart.z)))
+        .noted(Note::from("off by ").vector(apart.into(), Unit::Meter).and(" in the world")))
 }
 
 /// The angle between the object and its place at the end of the recording, rad.

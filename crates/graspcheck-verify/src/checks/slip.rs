@@ -4,6 +4,7 @@ use crate::{
     checks::held,
     evidence::Evidence,
     finding::{Finding, Gap},
+    note::Note,
     stream,
     verdict::Unit,
 };
@@ -47,7 +48,7 @@ pub(super) fn slip(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     Ok(finding
         .of([object.name.as_str(), "gripper"])
         .during(phase)
-        .noted(format!("it turned in the gripper by at most {turned:.4} rad")))
+        .noted(Note::from("it turned in the gripper by at most ").quantity(turned, Unit::Radian)))
 }
 
 #[cfg(test)]

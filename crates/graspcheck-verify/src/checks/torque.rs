@@ -9,6 +9,7 @@ use graspcheck_proof::{
 use crate::{
     evidence::Evidence,
     finding::{Finding, Gap, worst_by},
+    note::Note,
     verdict::Unit,
 };
 
@@ -36,10 +37,14 @@ pub(super) fn torque(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     }
     let peaks = peaks(evidence, FINE_TOLERANCE)?;
     let near = worst_by(&peaks, |peak| peak.upper / limit(evidence, peak)).map(|peak| {
-        let TorquePeak { lower, upper, .. } = peak;
-        let note =
-            format!("its largest torque is between {lower} and {upper}, too near to the limit to tell");
-        Gap::inconclusive(Some(peak.time), format!("{}: {note}", evidence.joints()[peak.joint].name))
+        let joint = &evidence.joints()[peak.joint];
+        let unit = Unit::of_effort(joint.kind);
+        let note = Note::from(format!("{}: its largest torque is between ", joint.name))
+            .quantity(peak.lower, unit)
+            .and(" and ")
+            .quantity(peak.upper, unit)
+            .and(", too near to the limit to tell");
+        Gap::inconclusive(Some(peak.time), note)
     });
     Err(near.unwrap_or_else(|| Gap::inconclusive(None, "the arm has no joint")))
 }

@@ -58,7 +58,7 @@ mod tests {
         run.resolved.checks.utilisation_min = Some(0.9);
         let result = run.check("planned.utilisation");
         assert_eq!(result.outcome, Outcome::Fail);
-        assert!(result.note.contains("acceleration"));
+        assert!(result.note.to_string().contains("acceleration"));
         run.resolved.robot.joints[1].limits.acceleration = 3.0;
         assert_eq!(run.check("planned.utilisation").outcome, Outcome::Pass);
     }

@@ -134,7 +134,9 @@ impl Shown {
             let (v, l) = (rounded(value, decimals, rounding), rounded(limit, decimals, Rounding::Nearest));
             let differ = v != l;
             let in_order = || (as_read(&v) < as_read(&l)) == (value < limit);
-            if are_equal || (differ && in_order()) || decimals >= MOST_DECIMALS {
+            // A limit that is not zero does not read as zero.
+            let tells = || limit == 0.0 || as_read(&l).abs() > 0.0;
+            if are_equal || (differ && in_order() && tells()) || decimals >= MOST_DECIMALS {
                 return Some(Self { value: v, limit: l, symbol, decimals, differ });
             }
             decimals += 1;
@@ -194,6 +196,8 @@ mod tests {
         assert_eq!(quantity(0.000_93, Unit::MeterPerSecond, Rounding::Down), "0.9 mm/s");
         assert_eq!(quantity(2e-6, Unit::Meter, Rounding::Nearest), "0.002 mm");
         assert_eq!(quantity(0.0, Unit::Meter, Rounding::Nearest), "0.00 mm");
+        let (force, limit) = against(22.859, 0.01, Unit::Newton, Rounding::Nearest);
+        assert_eq!((force.as_str(), limit.as_str()), ("22.86 N", "0.01 N"));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! One finding as one sentence: place, quantity, value, verb, limit, time.
 
-use graspcheck_verify::{CheckResult, Outcome};
+use graspcheck_verify::{CheckResult, Note, NotePart, Outcome};
 
 use super::quantity::{Rounding, against, instant, margin, margin_between, quantity};
 
@@ -94,14 +94,24 @@ pub fn sentence(result: &CheckResult) -> String {
     }
     if !result.note.is_empty() && result.outcome != Outcome::Pass {
         text.push_str("; ");
-        text.push_str(&result.note);
+        text.push_str(&note(&result.note));
     }
     text
 }
 
+/// A note with its quantities in the units for people.
+#[must_use]
+pub(super) fn note(note: &Note) -> String {
+    let part = |part: &NotePart| match part {
+        NotePart::Words(words) => words.clone(),
+        NotePart::Quantity { value, unit } => quantity(*value, *unit, Rounding::Nearest),
+    };
+    note.parts.iter().map(part).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use graspcheck_verify::{Basis, Place, Unit};
+    use graspcheck_verify::{Basis, Note, Place, Unit};
 
     use super::*;
 
@@ -119,7 +129,7 @@ mod tests {
             violated: Some([1.5287, 1.719]),
             place: Place { subjects: vec!["shoulder".into()], phase: Some("carry".into()) },
             basis: Basis::Exact,
-            note: String::new(),
+            note: Note::default(),
         }
     }
 
