@@ -81,7 +81,7 @@ fn bounds(criterion: &mut Criterion) {
     let (mut workspace, mut tau) = (Workspace::new(4), [Interval::ZERO; 4]);
     criterion.bench_function("scara_inverse_dynamics_of_intervals", |bencher| {
         bencher.iter(|| {
-            scara.inverse_of(black_box(&q), black_box(&qd), black_box(&qdd), &mut workspace, &mut tau)
+            scara.inverse_of(black_box(&q), black_box(&qd), black_box(&qdd), &mut workspace, &mut tau);
         });
     });
     let pieces =

@@ -24,7 +24,7 @@
 //! # Ok::<(), String>(())
 //! ```
 
-use nalgebra::{Point2, Point3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Matrix6xX, Point2, Point3, Rotation2, UnitQuaternion, Vector2, Vector3, Vector6};
 
 use crate::{
     Pose,
@@ -119,12 +119,83 @@ impl PlanarGeometry {
         }
     }
 
+    /// From the tool to the base at joint positions `q`, by the closed form at the head of this module.
+    ///
+    /// # Panics
+    /// When `q` has another length than the arm has joints: four with a quill, else three.
+    ///
+    /// ```
+    /// use graspcheck_model::{example, structure::PlanarGeometry};
+    /// let (robot, q) = (example::scara(), [0.4, -0.9, -0.1, 2.0]);
+    /// let closed = PlanarGeometry::of(&robot)?.forward(&q);
+    /// assert!((closed.to_homogeneous() - robot.world_from_tool(&q).to_homogeneous()).amax() < 1e-14);
+    /// # Ok::<(), String>(())
+    /// ```
+    #[must_use]
+    pub fn forward(&self, q: &[f64]) -> Pose {
+        let [upper, fore, _] = self.links(q);
+        self.base_from_tool(
+            self.shoulder + upper + fore,
+            self.turn(q),
+            self.quill.map_or(0.0, |quill| q[quill]),
+        )
+    }
+
+    /// The geometric Jacobian of the tool in the base frame at joint positions `q`, by the closed form: with i the
+    /// quarter turn about z, joint 1 moves the tool's origin by i (upper + fore + offset), joint 2 by i (fore +
+    /// offset), the last by i offset, and all three turn it about z; a quill moves it along z. Rows as in
+    /// [`RobotModel::tool_jacobian`].
+    ///
+    /// # Panics
+    /// When `q` has another length than the arm has joints.
+    ///
+    /// ```
+    /// use graspcheck_model::{example, structure::PlanarGeometry};
+    /// let (robot, q) = (example::planar(), [0.4, -0.9, 2.0]);
+    /// let closed = PlanarGeometry::of(&robot)?.jacobian(&q);
+    /// assert!((closed - robot.tool_jacobian(&q)).amax() < 1e-14);
+    /// # Ok::<(), String>(())
+    /// ```
+    #[must_use]
+    pub fn jacobian(&self, q: &[f64]) -> Matrix6xX<f64> {
+        let [upper, fore, offset] = self.links(q);
+        let mut jacobian = Matrix6xX::zeros(q.len());
+        for (joint, arm) in [(0, upper + fore + offset), (1, fore + offset), (q.len() - 1, offset)] {
+            jacobian.set_column(joint, &Vector6::new(-arm.y, arm.x, 0.0, 0.0, 0.0, 1.0));
+        }
+        if let Some(quill) = self.quill {
+            jacobian[(2, quill)] = 1.0;
+        }
+        jacobian
+    }
+
+    /// The upper arm, the forearm and the tool's offset from the wrist, in the base's x-y plane, m.
+    fn links(&self, q: &[f64]) -> [Vector2<f64>; 3] {
+        assert_eq!(
+            q.len(),
+            if self.quill.is_some() { 4 } else { 3 },
+            "positions for another number of joints"
+        );
+        let along = |angle: f64, length: f64| Vector2::new(angle.cos(), angle.sin()) * length;
+        let upper = q[0] + self.shoulder_zero;
+        [
+            along(upper, self.upper),
+            along(upper + q[1] + self.elbow_zero, self.fore),
+            Rotation2::new(self.turn(q)) * self.tool_offset,
+        ]
+    }
+
+    /// ψ, the turn of the tool, rad.
+    fn turn(&self, q: &[f64]) -> f64 {
+        q[0] + q[1] + q[q.len() - 1]
+    }
+
     /// From the tool to the base when the wrist is at `wrist` (base's x-y plane, m) and the tool is turned
     /// by `turn` (ψ, rad) and raised by `rise` (m) from the zero position.
     #[must_use]
     pub fn base_from_tool(&self, wrist: Point2<f64>, turn: f64, rise: f64) -> Pose {
         let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
-        let tool = wrist + nalgebra::Rotation2::new(turn) * self.tool_offset;
+        let tool = wrist + Rotation2::new(turn) * self.tool_offset;
         Pose::from_parts(
             Point3::new(tool.x, tool.y, self.tool_height + rise).into(),
             rotation * self.base_from_tool_zero,

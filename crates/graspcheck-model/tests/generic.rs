@@ -201,15 +201,18 @@ proptest! {
         for robot in if askew { [arms::askew_scara(), arms::askew_rrr()] } else { [arms::scara(), arms::rrr()] } {
             let q = &q[..robot.dof()];
             let geometry = PlanarGeometry::of(&robot).expect("a planar arm");
-            let rise = geometry.quill.map_or(0.0, |quill| q[quill]);
-            let last = q[q.len() - 1];
-            let (upper, fore) = (q[0] + geometry.shoulder_zero, q[0] + q[1] + geometry.shoulder_zero + geometry.elbow_zero);
-            let wrist = geometry.shoulder
-                + geometry.upper * nalgebra::Vector2::new(upper.cos(), upper.sin())
-                + geometry.fore * nalgebra::Vector2::new(fore.cos(), fore.sin());
-            let closed = robot.world_from_base * geometry.base_from_tool(wrist, q[0] + q[1] + last, rise);
+            let closed = robot.world_from_base * geometry.forward(q);
             let product = SerialChain::of(&robot).tool(q).to_pose();
             prop_assert!((closed.to_homogeneous() - product.to_homogeneous()).amax() < 1e-13);
+            let mut turned = geometry.jacobian(q);
+            let world_from_base = robot.world_from_base.rotation;
+            for mut column in turned.column_iter_mut() {
+                for rows in [0, 3] {
+                    let part: Vector3<f64> = column.fixed_rows::<3>(rows).into_owned();
+                    column.fixed_rows_mut::<3>(rows).copy_from(&(world_from_base * part));
+                }
+            }
+            prop_assert!((turned - SerialChain::of(&robot).jacobian(q)).amax() < 1e-13);
         }
     }
 }

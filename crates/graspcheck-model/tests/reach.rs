@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use graspcheck_model::{
     Pose,
     chain::SerialChain,
-    inverse::{BranchName, InverseKinematics, Unreachable},
+    inverse::{BranchName, InverseKinematics, InverseSolution, Unreachable},
     reach::OutOfReach,
     robot::RobotModel,
     singularity::SingularPose,
@@ -80,7 +80,7 @@ proptest! {
             .expect("within reach");
         prop_assert!(solutions.next().is_none());
         let legal = inverse.legal(&pose).expect("the positions it was made from are legal");
-        prop_assert!(!legal.is_empty() && legal.iter().all(|solution| solution.is_legal()));
+        prop_assert!(!legal.is_empty() && legal.iter().all(InverseSolution::is_legal));
     }
 
     /// `√det(Jᵀ J)` of the product of transforms is `l₁ l₂ |sin φ₂|`, whatever the rest of the arm.

@@ -1,5 +1,7 @@
 //! Interval arithmetic against exact rational numbers, and against fixed-point series of 300 bits.
 
+#![expect(clippy::float_cmp, reason = "ends that must be exact are asked for exactly")]
+
 use std::cmp::Ordering;
 
 use graspcheck_motion::{Dual, Interval, Scalar};
@@ -203,11 +205,11 @@ fn series(x: f64) -> (BigRational, BigRational) {
     for n in 0..160_u32 {
         let sum = &mut sums[usize::from(n % 2 == 1)];
         if n % 4 < 2 {
-            *sum += &term
+            *sum += &term;
         } else {
-            *sum -= &term
+            *sum -= &term;
         }
-        term = (term * &x >> DIGITS) / (n + 1);
+        term = ((term * &x) >> DIGITS) / (n + 1);
     }
     let [cos, sin] = sums.map(|sum| BigRational::new(sum, one.clone()));
     (sin, cos)
