@@ -3,7 +3,7 @@
 use graspcheck_motion::Trajectory;
 use serde::{Deserialize, Serialize};
 
-use crate::{Pose, inertia::Inertial, object::Object, robot::RobotModel};
+use crate::{Pose, inertia::Inertial, object::Object, robot::RobotModel, tool_path::ToolPath};
 
 /// A planned motion: what the controller is given and what is proved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,6 +16,23 @@ pub struct Plan {
     pub phases: Vec<Phase>,
     /// How the object is held; none when nothing is grasped.
     pub grasp: Option<Grasp>,
+    /// The paths on which the tool is led, in order of time; none in plans of joint moves alone, and in logs that are
+    /// older than this field.
+    #[serde(default)]
+    pub paths: Vec<PlannedPath>,
+}
+
+/// A path on which the tool is led during a phase: what the deviation is proved from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlannedPath {
+    /// Name of the phase.
+    pub phase: String,
+    /// Where the tool should be, by the path parameter.
+    pub path: ToolPath,
+    /// The path parameter over the time since the phase began, as a motion of one "joint".
+    pub law: Trajectory,
+    /// How far the tool may be from the path, m and rad.
+    pub tolerance: f64,
 }
 
 /// A stretch of the motion with one purpose.

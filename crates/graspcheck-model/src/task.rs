@@ -17,6 +17,8 @@ pub enum Task {
     JointVia(JointVia),
     /// Move through joint positions one segment after the other.
     JointSegments(JointSegments),
+    /// Lead the tool along lines, screws, arcs and polylines.
+    Path(PathTask),
 }
 
 /// Grasp the object at one of its handles, carry it and put it down.
@@ -53,7 +55,7 @@ impl Task {
             Self::CartesianVia(CartesianVia { law, .. }) | Self::JointVia(JointVia { law, .. }) => {
                 law.steps_acceleration()
             }
-            Self::PickAndPlace(_) | Self::JointSegments(_) => false,
+            Self::PickAndPlace(_) | Self::JointSegments(_) | Self::Path(_) => false,
         }
     }
 }
@@ -152,6 +154,87 @@ pub struct JointSegment {
     pub from: Vec<f64>,
     /// Where it ends, rad or m.
     pub to: Vec<f64>,
+}
+
+/// Lead the tool along one path after the other, from rest to rest, each a phase of its own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PathTask {
+    /// Where the arm starts, rad or m: this chooses the branch and the turns too.
+    pub start: Vec<f64>,
+    /// How far the joint polynomials may take the tool from its path, m and rad; proved.
+    pub tolerance: f64,
+    /// In order of time.
+    pub segments: Vec<PathSegment>,
+}
+
+/// A path that begins where the tool is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PathSegment {
+    /// A name for the phase.
+    pub name: String,
+    /// Whether points are counted from where the tool is when the path begins, along the world's axes; else from the
+    /// world's origin.
+    pub from_start: bool,
+    /// Where it leads.
+    pub shape: PathShape,
+}
+
+/// Where a path of the tool leads. Points are along the world's axes, m; the tool turns about the base's z axis by
+/// literal angles, rad.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PathShape {
+    /// On a straight line.
+    Line {
+        /// To where.
+        to: Vector3<f64>,
+        /// By how much the tool turns on the way.
+        turn: f64,
+    },
+    /// On a screw: the shortest one to the pose at the end.
+    Screw {
+        /// To where.
+        to: Vector3<f64>,
+        /// By how much the tool is turned at the end; between −π and π.
+        turn: f64,
+    },
+    /// On a circular arc through a point.
+    ArcThrough {
+        /// A point on the way.
+        through: Vector3<f64>,
+        /// To where.
+        to: Vector3<f64>,
+        /// Whether the tool turns with the arc; else it keeps its orientation.
+        turns_along: bool,
+    },
+    /// On a circular arc about a line along the base's z axis.
+    ArcAbout {
+        /// A point on that line.
+        center: Vector3<f64>,
+        /// By how much: positive against the clock as seen from above.
+        angle: f64,
+        /// Whether the tool turns with the arc; else it keeps its orientation.
+        turns_along: bool,
+    },
+    /// Straight from point to point, with the orientation kept.
+    Polyline {
+        /// The points after the one where the tool is.
+        points: Vec<Vector3<f64>>,
+        /// How the corners are made.
+        corner: PathCorner,
+    },
+}
+
+/// How the corners of a polyline are made.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PathCorner {
+    /// The tool stops.
+    Sharp,
+    /// Rounded by an arc of this radius, m; the tool stops where it begins and ends, as the curvature jumps there.
+    Arc(f64),
+    /// Rounded with continuous curvature, missing the corner by this distance, m.
+    Blend(f64),
 }
 
 /// How fast the arm moves.

@@ -9,7 +9,7 @@ use crate::{
     arm::Arm,
     branch::{BranchFault, Located},
     path::{
-        FollowedPath, PathError,
+        FollowedPath, PathError, ToolPath,
         followed::FollowError,
         line::straight_line,
         motion::{AlongError, PATH_TOLERANCE, PathMotion, along_path},
@@ -77,18 +77,20 @@ pub fn line(
     duration: Option<f64>,
 ) -> Result<PathMotion, LineError> {
     line_of(&Arm::new(robot).map_err(FollowError::from)?, from, world_from_goal, share, duration)
+        .map(|(_, found)| found)
 }
 
-/// As [`line`], for an arm that is measured already.
+/// As [`line`], for an arm that is measured already; with the path.
 pub(crate) fn line_of(
     arm: &Arm,
     from: &[f64],
     world_from_goal: &Pose,
     share: f64,
     duration: Option<f64>,
-) -> Result<PathMotion, LineError> {
+) -> Result<(ToolPath, PathMotion), LineError> {
     let path = straight_line(&arm.robot.world_from_tool(from), world_from_goal)?;
-    Ok(along_path(arm, &path, from, share, duration, PATH_TOLERANCE)?)
+    let found = along_path(arm, &path, from, share, duration, PATH_TOLERANCE)?;
+    Ok((path, found))
 }
 
 /// Joint positions at the beginning of the straight line that begins with the tool at `world_from_start`

@@ -97,7 +97,7 @@ pub(crate) fn in_one_phase(
     let holding = if object.is_some() { Holding::AtStart } else { Holding::Nothing };
     let phases = vec![Phase { name: PHASE.to_owned(), start: 0.0, end, holding }];
     let opening = idle(&robot.gripper, end)?;
-    Ok(Planned::without_proof(Plan { trajectory, opening, phases, grasp: None }))
+    Ok(Planned::without_proof(Plan { trajectory, opening, phases, grasp: None, paths: Vec::new() }))
 }
 
 /// Legal joint positions at the first point on the asked branch: those whose angles add up to the literal

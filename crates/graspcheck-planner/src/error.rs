@@ -11,6 +11,7 @@ use crate::{
     joint_move::JointMoveError,
     opening::GripError,
     pace::PaceError,
+    path::{PathError, motion::AlongError},
     via_motion::ViaMotionError,
 };
 
@@ -46,8 +47,8 @@ pub enum PlanError {
         /// What it must be.
         must: &'static str,
     },
-    /// A task of joint segments has none.
-    #[error("task joint_segments: there is no segment; add one")]
+    /// A task of segments has none.
+    #[error("task: there is no segment; add one")]
     NoSegment,
     /// The pace makes no sense.
     #[error("pace: {0}")]
@@ -78,6 +79,24 @@ pub enum PlanError {
         /// Why.
         #[source]
         error: LineError,
+    },
+    /// A segment of a path task is no path.
+    #[error("phase {phase}: {error}")]
+    Path {
+        /// Name of the phase.
+        phase: String,
+        /// Why.
+        #[source]
+        error: PathError,
+    },
+    /// There is no motion along a path.
+    #[error("phase {phase}: {error}")]
+    Along {
+        /// Name of the phase.
+        phase: String,
+        /// Why, and where.
+        #[source]
+        error: AlongError,
     },
     /// The law of a task's via points does not fit them.
     #[error("task {task}: {error}")]

@@ -39,5 +39,5 @@ pub(crate) fn find(
     }
     let (trajectory, phases) = sequence.finish()?;
     let opening = idle(&robot.gripper, trajectory.duration())?;
-    Ok(Planned::without_proof(Plan { trajectory, opening, phases, grasp: None }))
+    Ok(Planned::without_proof(Plan { trajectory, opening, phases, grasp: None, paths: Vec::new() }))
 }

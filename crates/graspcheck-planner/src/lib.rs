@@ -28,6 +28,7 @@ pub mod lfpb;
 pub mod opening;
 pub mod pace;
 pub mod path;
+mod path_task;
 pub mod pick_and_place;
 mod planned;
 pub mod retime;

@@ -39,7 +39,7 @@ use crate::{
     opening::{GripError, Openings},
     pace::CheckedPace,
     sequence::Sequence,
-    stop::{Reached, Rejected, Stop},
+    stop::{Line, Reached, Rejected, Stop},
 };
 
 /// Names of the phases that the task can have, in order.
@@ -292,13 +292,13 @@ impl<'a> Pick<'a> {
         let open = Trajectory::hold(&place.at, self.dwell("open"))?;
         let motions = [
             ("approach", way.approach, Holding::AtStart),
-            ("descend", grasp.arriving.as_ref(), Holding::AtStart),
+            ("descend", motion_of(&grasp.arriving), Holding::AtStart),
             ("close", Some(&close), Holding::Closing),
-            ("lift", grasp.leaving.as_ref(), Holding::Held),
+            ("lift", motion_of(&grasp.leaving), Holding::Held),
             ("carry", way.carry.as_ref(), Holding::Held),
-            ("lower", place.arriving.as_ref(), Holding::Held),
+            ("lower", motion_of(&place.arriving), Holding::Held),
             ("open", Some(&open), Holding::Opening),
-            ("retreat", place.leaving.as_ref(), Holding::Placed),
+            ("retreat", motion_of(&place.leaving), Holding::Placed),
         ];
         let mut sequence = Sequence::default();
         for (phase, motion, holding) in motions {
@@ -307,10 +307,12 @@ impl<'a> Pick<'a> {
             }
         }
         let (trajectory, phases) = sequence.finish()?;
+        let lines = [&grasp.arriving, &grasp.leaving, &place.arriving, &place.leaving];
         Ok(Plan {
             opening: grip.openings.over(&phases)?,
             trajectory,
             phases,
+            paths: lines.into_iter().flatten().map(|line| line.planned.clone()).collect(),
             grasp: Some(Grasp {
                 handle: grip.handle.name.clone(),
                 tool_from_object: grip.object_from_tool.inverse(),
@@ -381,6 +383,11 @@ fn not_clear(certificate: &Certificate) -> CandidateOutcome {
     let undecided = certificate.pairs.iter().find(|pair| !matches!(pair.verdict, PairVerdict::Free { .. }));
     let (a, b) = undecided.map(|pair| (pair.a.clone(), pair.b.clone())).unwrap_or_default();
     CandidateOutcome::Undecided { a, b }
+}
+
+/// The motion on a line, if there is one.
+fn motion_of(line: &Option<Line>) -> Option<&Trajectory> {
+    line.as_ref().map(|line| &line.motion)
 }
 
 /// The rejected candidates in order: those that got farthest first, and of these the smallest excess.

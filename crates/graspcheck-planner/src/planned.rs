@@ -10,7 +10,8 @@ use graspcheck_model::{
 use graspcheck_proof::Certificate;
 
 use crate::{
-    candidate::Candidate, cartesian_via, error::PlanError, joint_segments, joint_via, pick_and_place,
+    candidate::Candidate, cartesian_via, error::PlanError, joint_segments, joint_via, path_task,
+    pick_and_place,
 };
 
 /// A plan with what planning found out on the way.
@@ -68,5 +69,6 @@ pub fn find(
         Task::CartesianVia(task) => cartesian_via::find(robot, object, task, pace),
         Task::JointVia(task) => joint_via::find(robot, object, task, pace),
         Task::JointSegments(task) => joint_segments::find(robot, object, task, pace),
+        Task::Path(task) => path_task::find(robot, object, task, pace),
     }
 }

@@ -1,6 +1,6 @@
 //! A pose that the tool goes to and leaves on straight lines, and the branches on which it can.
 
-use graspcheck_model::Pose;
+use graspcheck_model::{Pose, plan::PlannedPath};
 use graspcheck_motion::Trajectory;
 
 use crate::{
@@ -9,6 +9,7 @@ use crate::{
     cartesian::{LineError, line_of, start_of_line},
     error::PlanError,
     pace::CheckedPace,
+    path::motion::PATH_TOLERANCE,
 };
 
 /// A pose of the tool with the straight lines to it and away from it.
@@ -25,6 +26,14 @@ pub(crate) struct Stop {
     pub(crate) phases: [&'static str; 2],
 }
 
+/// A straight line as it is planned.
+pub(crate) struct Line {
+    /// The joints.
+    pub(crate) motion: Trajectory,
+    /// The path with its law of time.
+    pub(crate) planned: PlannedPath,
+}
+
 /// A stop reached on one branch.
 pub(crate) struct Reached {
     /// The solution at the stop.
@@ -36,9 +45,9 @@ pub(crate) struct Reached {
     /// Joint positions after the line away from it.
     pub(crate) after: Vec<f64>,
     /// The motion to the stop; none when there is no line.
-    pub(crate) arriving: Option<Trajectory>,
+    pub(crate) arriving: Option<Line>,
     /// The motion away from it; none when there is no line.
-    pub(crate) leaving: Option<Trajectory>,
+    pub(crate) leaving: Option<Line>,
 }
 
 /// A branch on which a stop cannot be reached, or not left.
@@ -93,9 +102,11 @@ impl Stop {
         choice: BranchChoice,
     ) -> Result<Result<Reached, Rejected>, PlanError> {
         let line = |phase: &str, from: &[f64], goal: &Pose| {
-            let line = line_of(arm, from, goal, pace.share(phase), pace.duration(phase))?.motion;
-            let end = line.eval(line.duration()).q;
-            Ok((line, end))
+            let (path, found) = line_of(arm, from, goal, pace.share(phase), pace.duration(phase))?;
+            let end = found.motion.eval(found.motion.duration()).q;
+            let tolerance = PATH_TOLERANCE.position;
+            let planned = PlannedPath { phase: phase.to_owned(), path, law: found.law, tolerance };
+            Ok((Line { motion: found.motion, planned }, end))
         };
         let mut before = choice.q.clone();
         let mut at = choice.q.clone();
@@ -143,6 +154,6 @@ impl Stop {
 impl Reached {
     /// How long both lines take, s.
     pub(crate) fn moving(&self) -> f64 {
-        self.arriving.iter().chain(&self.leaving).map(Trajectory::duration).sum()
+        self.arriving.iter().chain(&self.leaving).map(|line| line.motion.duration()).sum()
     }
 }

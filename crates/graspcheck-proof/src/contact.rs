@@ -442,6 +442,7 @@ mod tests {
             trajectory: Trajectory::new(3, knots.clone(), arm).unwrap(),
             opening: Trajectory::new(1, knots, gripper).unwrap(),
             phases,
+            paths: Vec::new(),
             grasp: Some(Grasp {
                 handle: "top".to_owned(),
                 tool_from_object,

@@ -30,7 +30,7 @@ const SUBDIVISIONS: usize = 2;
 
 /// A stretch is halved, although it is proved, while what is not known of the error (remainder and rounding) makes
 /// up more than this share of a bound that matters: the bounds that are reported are then near the truth.
-const BLUR_SHARE: f64 = 0.2;
+const BLUR_SHARE: f64 = 0.5;
 
 /// Share of the tolerance below which a bound does not matter so.
 const NEGLIGIBLE_SHARE: f64 = 1e-3;
@@ -197,7 +197,7 @@ pub fn prove_deviation(
 
 /// A bound on the deviation over one piece of a motion in making: `law` and the quintics `joints` are
 /// polynomials in the local times that begin `law_before` and 0 seconds before the piece, which lasts
-/// `duration` seconds.
+/// `duration` seconds. The bound is only as tight as it takes to be within `tolerance`, if it can be.
 #[must_use]
 pub fn piece_deviation(
     path: &PlanarPath,
@@ -206,10 +206,11 @@ pub fn piece_deviation(
     law_before: f64,
     joints: &[Polynomial],
     duration: f64,
+    tolerance: Deviation,
 ) -> Deviation {
     let stretch = Stretch { path, segment, law, law_start: -law_before, joints, joints_start: 0.0 };
-    let (whole, blur) = stretch.bound(0.0, duration);
-    if blur <= BLUR_SHARE * whole.position {
+    let (whole, _) = stretch.bound(0.0, duration);
+    if whole.is_within(tolerance) {
         return whole;
     }
     // Halves know more: the remainder falls with the eighth power of the length.

@@ -130,7 +130,7 @@ pub(crate) fn rest_to_rest(from: &[f64], to: &[f64], duration: f64) -> Plan {
         Trajectory::new(from.len(), vec![0.0, duration], pieces).expect("the knots and pieces fit");
     let opening = Trajectory::hold(&[0.05], duration).expect("the duration is positive");
     let phase = Phase { name: "move".to_owned(), start: 0.0, end: duration, holding: Holding::Nothing };
-    Plan { trajectory, opening, phases: vec![phase], grasp: None }
+    Plan { trajectory, opening, phases: vec![phase], grasp: None, paths: Vec::new() }
 }
 
 /// A generator of numbers that look random (SplitMix64, Steele, Lea and Flood 2014).

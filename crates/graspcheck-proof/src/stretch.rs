@@ -137,6 +137,7 @@ mod tests {
             opening: Trajectory::hold(&[0.05], duration).unwrap(),
             phases: phases.iter().map(phase).collect(),
             grasp: None,
+            paths: Vec::new(),
         }
     }
 

@@ -28,6 +28,7 @@ mod files;
 mod find;
 mod motion;
 mod object;
+mod path_task;
 mod quantity;
 mod robot;
 mod robot_file;

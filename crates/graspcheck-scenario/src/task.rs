@@ -1,4 +1,4 @@
-//! The task: pick and place, via points, joint segments.
+//! The task: pick and place, via points, joint segments, paths of the tool.
 
 use graspcheck_model::{
     Pose,
@@ -11,6 +11,7 @@ use nalgebra::Point2;
 use crate::{
     fault::{Fault, Faults, Place},
     motion::GripPace,
+    path_task,
     quantity::Quantity,
     robot_file::wrong_kind,
     section::{Bound, Section},
@@ -34,6 +35,7 @@ pub(crate) enum Kind {
     PickAndPlace,
     Via,
     Segments,
+    Path,
 }
 
 /// A task as far as it could be read; its kind and the names of its phases are known earlier than all of it.
@@ -51,7 +53,12 @@ pub(crate) fn task(
     object: Option<&str>,
     grip: Option<&GripPace>,
 ) -> ReadTask {
-    let kinds = [("pick_and_place", Kind::PickAndPlace), ("via", Kind::Via), ("segments", Kind::Segments)];
+    let kinds = [
+        ("pick_and_place", Kind::PickAndPlace),
+        ("via", Kind::Via),
+        ("segments", Kind::Segments),
+        ("path", Kind::Path),
+    ];
     let kind = section.word("kind", &kinds, None);
     let mut phases = Vec::new();
     let task = match kind {
@@ -64,6 +71,11 @@ pub(crate) fn task(
             let (names, segments) = segments(&section, robot);
             phases = names;
             segments.map(Task::JointSegments)
+        }
+        Some(Kind::Path) => {
+            let (names, path) = path_task::path(&section, robot);
+            phases = names;
+            path.map(Task::Path)
         }
         // Without a kind nobody knows which keys belong here.
         None => return ReadTask { kind, phases, task: None },
@@ -79,11 +91,7 @@ fn pick_and_place(
     grip: Option<&GripPace>,
 ) -> Option<PickAndPlace> {
     let named = object_named(section, object);
-    let start = section.required_section("start", "a start position").and_then(|start| {
-        let robot = robot?;
-        let positions = joint_positions(start, &robot.joints);
-        within_limits(&positions, &robot.joints, section.faults()).then(|| positions_of(positions)).flatten()
-    });
+    let start = start_position(section, robot);
     let place = section.required_section("place", "a place").and_then(|place| {
         let pose = upright_pose(&place);
         place.finish();
@@ -110,6 +118,14 @@ fn pick_and_place(
         close_duration: grip.close,
         open_duration: grip.open,
     })
+}
+
+/// Reads `[task.start]`: a position for each joint, within its limits.
+pub(crate) fn start_position(section: &Section<'_>, robot: Option<&RobotModel>) -> Option<Vec<f64>> {
+    let start = section.required_section("start", "a start position")?;
+    let robot = robot?;
+    let positions = joint_positions(start, &robot.joints);
+    within_limits(&positions, &robot.joints, section.faults()).then(|| positions_of(positions)).flatten()
 }
 
 /// Holds the key `object` against the object that there is.

@@ -268,6 +268,7 @@ pub(crate) fn move_plan(start: &[f64], legs: &[(f64, Vec<f64>)]) -> Plan {
         opening: Trajectory::hold(&[0.06], duration).expect("the duration is positive"),
         phases: vec![Phase { name: "move".to_owned(), start: 0.0, end: duration, holding: Holding::Nothing }],
         grasp: None,
+        paths: Vec::new(),
     }
 }
 
@@ -301,6 +302,7 @@ pub(crate) fn lift(force: f64) -> Lift {
             phase("hold", 1.5, 2.5, Holding::Held),
         ],
         grasp: Some(grasp),
+        paths: Vec::new(),
     };
     Lift { robot, cell, object: cube(world_from_tool), plan }
 }

@@ -252,6 +252,7 @@ fn pick_plan() -> Plan {
         trajectory: Trajectory::new(2, knots.clone(), arm).unwrap(),
         opening: Trajectory::new(1, knots, pads).unwrap(),
         phases,
+        paths: Vec::new(),
         grasp: Some(Grasp {
             handle: "top".into(),
             tool_from_object: link_from_tool().inverse(),
@@ -343,6 +344,7 @@ pub(crate) fn blends() -> Run {
         opening: Trajectory::hold(&[0.08], 3.0).unwrap(),
         phases: vec![Phase { name: "via".into(), start: 0.0, end: 3.0, holding: Holding::Nothing }],
         grasp: None,
+        paths: Vec::new(),
     };
     run.recording = Recording::default();
     run

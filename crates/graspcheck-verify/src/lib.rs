@@ -15,6 +15,7 @@
 //! | `planned.clearance` | every pair of bodies keeps the distance it must, proved again here for every instant |
 //! | `planned.certificate` | the proof that travelled with the log is the proof that is found here |
 //! | `planned.torque` | no joint takes more than its effort limit, with what is held |
+//! | `planned.deviation` | the tool stays within the tolerance of the paths on which it is led, proved again here for every instant |
 //! | `planned.via` | the wrist passes near each via point at its time |
 //! | `planned.utilisation` | the plan uses the share of velocity and acceleration that the scenario claims |
 //! | `executed.position`, `.velocity` | the measured joints are within their limits |

@@ -127,11 +127,11 @@ pub(crate) fn fit(
     knots.push(0.0);
     let mut polynomials = Vec::with_capacity(2 * dof * todo.len());
     while let Some(piece) = todo.pop() {
-        let quintics = piece.polynomials(law.piece(piece.law, 0), law.knots()[piece.law]);
-        match fit.compare(&piece, &quintics, &peaks) {
+        let found = piece.polynomials(law.piece(piece.law, 0), law.knots()[piece.law]);
+        match fit.compare(&piece, &found, &peaks) {
             None => {
                 knots.push(piece.end);
-                polynomials.extend_from_slice(&quintics[..dof]);
+                polynomials.extend_from_slice(&found[..dof]);
             }
             Some((deviation, tolerance)) if piece.depth >= DEPTH_MAX => {
                 let length = piece.duration();
@@ -233,14 +233,14 @@ impl Fit<'_> {
     fn compare(
         &self,
         piece: &Piece,
-        quintics: &[Polynomial; PLANAR_JOINTS],
+        polynomials: &[Polynomial; PLANAR_JOINTS],
         peaks: &[[f64; 3]; PLANAR_JOINTS],
     ) -> Option<(f64, f64)> {
         let dof = self.arm.robot.dof();
         for part in 0..=PARTS {
             let tau = piece.time(part) - piece.start;
-            for (joint, quintic) in quintics.iter().enumerate().take(dof) {
-                let found = quintic.eval(tau);
+            for (joint, polynomial) in polynomials.iter().enumerate().take(dof) {
+                let found = polynomial.eval(tau);
                 for order in 0..3 {
                     let error = (found[order + 1] - piece.states[part][joint][order + 1]).abs();
                     let allowed = DERIVATIVE_TOLERANCES[order] * peaks[joint][order];
@@ -253,14 +253,9 @@ impl Fit<'_> {
         }
         let before = piece.start - self.law.knots()[piece.law];
         let law = self.law.piece(piece.law, 0);
-        let bound = piece_deviation(
-            &self.path.planar,
-            piece.segment,
-            law,
-            before,
-            &quintics[..dof],
-            piece.duration(),
-        );
+        let (joints, duration) = (&polynomials[..dof], piece.duration());
+        let planar = &self.path.planar;
+        let bound = piece_deviation(planar, piece.segment, law, before, joints, duration, self.tolerance);
         if bound.is_within(self.tolerance) {
             None
         } else if bound.position <= self.tolerance.position {

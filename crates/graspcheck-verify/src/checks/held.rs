@@ -18,7 +18,7 @@ pub(super) fn object<'e>(evidence: &'e Evidence<'_>) -> Result<&'e Object, Gap> 
 pub(super) fn task<'e>(evidence: &'e Evidence<'_>) -> Result<&'e PickAndPlace, Gap> {
     match &evidence.resolved.task {
         Task::PickAndPlace(task) => Ok(task),
-        Task::CartesianVia(_) | Task::JointVia(_) | Task::JointSegments(_) => {
+        Task::CartesianVia(_) | Task::JointVia(_) | Task::JointSegments(_) | Task::Path(_) => {
             Err(Gap::not_requested("the task grasps nothing"))
         }
     }

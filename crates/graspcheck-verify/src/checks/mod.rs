@@ -7,6 +7,7 @@
 mod clearance;
 mod contacts;
 mod continuity;
+mod deviation;
 mod executed;
 mod grip;
 mod held;
@@ -45,6 +46,7 @@ pub const CHECKS: &[Check] = &[
     Check { name: "planned.continuity", basis: Basis::Exact, find: continuity::continuity },
     Check { name: "planned.clearance", basis: Basis::Proved, find: clearance::clearance },
     Check { name: "planned.certificate", basis: Basis::Proved, find: clearance::certificate },
+    Check { name: "planned.deviation", basis: Basis::Proved, find: deviation::deviation },
     Check { name: "planned.via", basis: Basis::Exact, find: via::via },
     Check { name: "planned.utilisation", basis: Basis::Exact, find: utilisation::planned },
     Check { name: "executed.position", basis: Basis::Measured, find: executed::position },
