@@ -10,8 +10,8 @@
 //! Symbols used as names: `q qd qdd qddd` are position, velocity, acceleration and jerk of the joints,
 //! `s sd sdd sddd` the path parameter and its derivatives in time, `q_s` a derivative by s.
 //!
-//! Reading order: [`time_scaling`], [`joint_law`], [`mod@joint_move`], [`lfpb`], [`branch`], [`path`], [`cartesian`],
-//! [`retime`], [`pick_and_place`], [`candidate`], [`error`].
+//! Reading order: [`time_scaling`], [`joint_law`], [`mod@joint_move`], [`via`], [`lfpb`], [`branch`], [`path`],
+//! [`cartesian`], [`retime`], [`pick_and_place`], [`candidate`], [`error`].
 
 mod arm;
 pub mod branch;

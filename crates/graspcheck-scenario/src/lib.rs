@@ -40,6 +40,7 @@ mod suggest;
 mod support;
 mod task;
 mod tree;
+mod via_task;
 
 pub use cell::{CLEARANCE_DEFAULT, STANDARD_GRAVITY};
 pub use execution::{

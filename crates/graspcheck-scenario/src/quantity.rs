@@ -14,6 +14,7 @@ pub(crate) enum Quantity {
     Frequency,
     Share,
     Speed,
+    AngularSpeed,
     AngularAcceleration,
     LinearAcceleration,
     AngularJerk,
@@ -31,7 +32,7 @@ pub(crate) struct Unit {
 }
 
 impl Quantity {
-    pub(crate) const ALL: [Self; 13] = [
+    pub(crate) const ALL: [Self; 14] = [
         Self::Length,
         Self::Angle,
         Self::Time,
@@ -41,6 +42,7 @@ impl Quantity {
         Self::Frequency,
         Self::Share,
         Self::Speed,
+        Self::AngularSpeed,
         Self::AngularAcceleration,
         Self::LinearAcceleration,
         Self::AngularJerk,
@@ -59,6 +61,7 @@ impl Quantity {
             Self::Frequency => "a frequency",
             Self::Share => "a share",
             Self::Speed => "a speed",
+            Self::AngularSpeed => "an angular speed",
             Self::AngularAcceleration => "an angular acceleration",
             Self::LinearAcceleration => "an acceleration",
             Self::AngularJerk => "an angular jerk",
@@ -80,6 +83,9 @@ impl Quantity {
             Self::Frequency => &[Unit { suffix: "hz", to_si: same }],
             Self::Share => &[Unit { suffix: "percent", to_si: hundredth }],
             Self::Speed => &[Unit { suffix: "mm_s", to_si: thousandth }, Unit { suffix: "m_s", to_si: same }],
+            Self::AngularSpeed => {
+                &[Unit { suffix: "deg_s", to_si: f64::to_radians }, Unit { suffix: "rad_s", to_si: same }]
+            }
             Self::AngularAcceleration => {
                 &[Unit { suffix: "deg_s2", to_si: f64::to_radians }, Unit { suffix: "rad_s2", to_si: same }]
             }

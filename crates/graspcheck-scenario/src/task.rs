@@ -3,10 +3,8 @@
 use graspcheck_model::{
     Pose,
     robot::{Joint, JointKind, RobotModel},
-    task::{CartesianVia, Elbow, JointSegment, JointSegments, PickAndPlace, Task, ViaPoint},
-    via::ViaLaw,
+    task::{JointSegment, JointSegments, PickAndPlace, Task},
 };
-use nalgebra::Point2;
 
 use crate::{
     fault::{Fault, Faults, Place},
@@ -17,6 +15,7 @@ use crate::{
     section::{Bound, Section},
     shape::upright_pose,
     suggest::nearest,
+    via_task,
 };
 
 /// How far the straight approach begins before the handle when the scenario does not say, m.
@@ -34,6 +33,7 @@ pub(crate) const ARM_PHASES: [&str; 6] = ["approach", "descend", "lift", "carry"
 pub(crate) enum Kind {
     PickAndPlace,
     Via,
+    JointVia,
     Segments,
     Path,
 }
@@ -56,6 +56,7 @@ pub(crate) fn task(
     let kinds = [
         ("pick_and_place", Kind::PickAndPlace),
         ("via", Kind::Via),
+        ("joint_via", Kind::JointVia),
         ("segments", Kind::Segments),
         ("path", Kind::Path),
     ];
@@ -66,7 +67,8 @@ pub(crate) fn task(
             phases.extend(ARM_PHASES.map(str::to_owned));
             pick_and_place(&section, robot, object, grip).map(Task::PickAndPlace)
         }
-        Some(Kind::Via) => via(&section).map(Task::CartesianVia),
+        Some(Kind::Via) => via_task::of_wrist(&section).map(Task::CartesianVia),
+        Some(Kind::JointVia) => via_task::of_joints(&section, robot).map(Task::JointVia),
         Some(Kind::Segments) => {
             let (names, segments) = segments(&section, robot);
             phases = names;
@@ -203,37 +205,6 @@ fn within_limits(positions: &[Option<Position<'_>>], joints: &[Joint], faults: &
         faults.report(fault.help("the limit comes from the robot's URDF"));
     }
     inside
-}
-
-fn via(section: &Section<'_>) -> Option<CartesianVia> {
-    let blend = section.required_measure("blend", Quantity::Time, Bound::Positive);
-    let elbow = section.word("elbow", &[("left", Elbow::Left), ("right", Elbow::Right)], None);
-    let tolerance =
-        section.measure_or("path_tolerance", Quantity::Length, Bound::Positive, PATH_TOLERANCE_DEFAULT);
-    let mut points: Vec<Option<ViaPoint>> = Vec::new();
-    for point in section.sections("via", "a via point") {
-        let t = point.required_measure("t", Quantity::Time, Bound::NotNegative);
-        let wrist: Option<[f64; 2]> = point.required_measures("wrist", Quantity::Length);
-        let theta = point.required_measure("theta", Quantity::Angle, Bound::Any);
-        let (place, faults) = (point.place(), point.faults());
-        point.finish();
-        let previous = points.last().and_then(|previous| previous.as_ref()).map(|previous| previous.t);
-        if let (Some(t), Some(previous)) = (t, previous)
-            && t <= previous
-        {
-            let title = format!("via point {}: t = {t} s is not after {previous} s", points.len() + 1);
-            faults.report(Fault::new("range", place, title, "points stand in order of time"));
-        }
-        let read = || Some(ViaPoint { t: t?, wrist: Point2::from(wrist?), theta: theta? });
-        points.push(read());
-    }
-    if points.len() < 2 {
-        let title = format!("a motion has at least two via points, this has {}", points.len());
-        section.faults().report(Fault::new("missing-key", section.place(), title, "add [[task.via]]"));
-    }
-    let points = points.into_iter().collect::<Option<Vec<_>>>()?;
-    let law = ViaLaw::blends_of(blend?, points.len(), 3);
-    Some(CartesianVia { points, law, elbow: elbow?, tolerance: tolerance? })
 }
 
 fn segments(section: &Section<'_>, robot: Option<&RobotModel>) -> (Vec<String>, Option<JointSegments>) {

@@ -145,8 +145,18 @@ fn every_key_is_documented() {
     };
     let mut missing = Vec::new();
     let mut keys = 0;
-    for file in ["cell", "checks", "execution", "motion", "object", "robot_file", "scenario", "shape", "task"]
-    {
+    for file in [
+        "cell",
+        "checks",
+        "execution",
+        "motion",
+        "object",
+        "robot_file",
+        "scenario",
+        "shape",
+        "task",
+        "via_task",
+    ] {
         let source = read(&format!("src/{file}.rs"));
         let source = source.split("#[cfg(test)]").next().unwrap_or_default();
         // Readers are methods of a section whose first argument is the key: `.required_measure("mass", …)`.
