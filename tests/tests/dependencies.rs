@@ -102,7 +102,8 @@ const ONLY: &[(&str, &str)] = &[
 ];
 
 /// Tools of tests and benches, which any crate may use there.
-const TEST_TOOLS: &[&str] = &["criterion", "insta", "num-bigint", "num-rational", "proptest", "rsruckig", "serde_json"];
+const TEST_TOOLS: &[&str] =
+    &["criterion", "insta", "num-bigint", "num-rational", "proptest", "rsruckig", "serde_json"];
 
 /// The manifests of all crates, by the name of their folder, sorted.
 fn manifests() -> Vec<(String, Table)> {
