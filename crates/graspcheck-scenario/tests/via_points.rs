@@ -1,5 +1,8 @@
 //! Via points of the wrist and of the joints: what is read under each method, and what is at fault.
 
+#![expect(clippy::panic, reason = "helpers of tests fail as tests do")]
+#![expect(clippy::float_cmp, reason = "these values must be met to the last digit")]
+
 use std::{
     fs,
     path::{Path, PathBuf},
