@@ -1,7 +1,7 @@
 //! Following one branch of the inverse kinematics along a path of the tool.
 //!
 //! A path of the tool becomes a motion of the joints by staying on the elbow's branch on which it begins and
-//! in the turns of the joints that are nearest to where they just were ([`follow`]). What can go wrong is one of
+//! in the turns of the joints that are nearest to where they just were ([`FollowedPath`](crate::path::FollowedPath)). What can go wrong is one of
 //! three things (worked examples, section 7), each found, located and explained:
 //!
 //! - part of the path is outside the workspace: beyond the outer reach, inside the hole that two unequal links

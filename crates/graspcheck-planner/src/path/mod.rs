@@ -16,13 +16,13 @@
 //! | path | module | continuity by s |
 //! |---|---|---|
 //! | straight in the joints | [`joint_line`] | all derivatives |
-//! | straight for the tool, turning by the shortest way or a literal angle | [`line`] | all derivatives |
+//! | straight for the tool, turning by the shortest way or a literal angle | [`mod@line`] | all derivatives |
 //! | screw | [`screw`] | all derivatives |
 //! | circular arc | [`arc`] | all derivatives |
 //! | polyline with rounded corners | [`rounded_polyline`] | direction (arcs) or curvature (blends) |
 //! | through via points | [`spline`] | that of the spline |
 //!
-//! Reading order: [`joint_line`], [`line`], [`screw`], [`arc`], [`rounded_polyline`], [`spline`], [`followed`],
+//! Reading order: [`joint_line`], [`mod@line`], [`screw`], [`arc`], [`rounded_polyline`], [`spline`], [`followed`],
 //! [`motion`].
 
 pub mod arc;
