@@ -55,6 +55,7 @@ const ALLOWED: &[Allowed] = &[
         &["graspcheck-model", "graspcheck-recording"],
         &["rerun", "serde", "serde_json", "thiserror"],
     ),
+    ("graspcheck-checker", &["graspcheck-recording"], &["serde", "serde_json", "thiserror"]),
     (
         "graspcheck",
         &[
