@@ -99,25 +99,22 @@ fn assert_found(report: &Report, quantity: Quantity, a: &str, b: &str) {
 
 #[test]
 fn certificates_of_real_logs_are_confirmed() {
-    for scenario in [
-        "scara/pick_cube.toml",
-        "scara/pick_over_wall.toml",
-        "rrr/pedestal_to_pedestal.toml",
-        "rrr/shelf_top_down.toml",
-        "worked_examples/lfpb_cartesian.toml",
-        "negative/dragged.toml",
-        "negative/carried_too_low.toml",
-        "negative/joint_jump.toml",
+    for (scenario, violated) in [
+        ("scara/pick_cube.toml", 0),
+        ("scara/pick_over_wall.toml", 0),
+        ("rrr/pedestal_to_pedestal.toml", 0),
+        ("rrr/shelf_top_down.toml", 0),
+        ("worked_examples/lfpb_cartesian.toml", 0),
+        ("negative/dragged.toml", 1),
+        ("negative/beside_the_middle.toml", 1),
+        ("negative/carried_too_low.toml", 1),
+        ("negative/joint_jump.toml", 0),
     ] {
         let report = check(&log_of(scenario)).unwrap();
         let findings: Vec<String> = report.findings.iter().take(5).map(ToString::to_string).collect();
         assert!(report.is_confirmed(), "{scenario}: {findings:#?}");
-        assert!(report.leaves >= report.pairs - report.violated.len(), "{scenario}: {report:?}");
-        assert_eq!(
-            report.violated.is_empty(),
-            !["negative/dragged.toml", "negative/carried_too_low.toml"].contains(&scenario),
-            "{scenario}"
-        );
+        assert!(report.leaves >= report.pairs - violated, "{scenario}: {report:?}");
+        assert_eq!(report.violated.len(), violated, "{scenario}");
     }
 }
 

@@ -55,7 +55,7 @@ struct View<'d> {
 impl<'d> Check<'d> {
     /// Every pair of the scene must be there once, and no other.
     fn pairs(&mut self) {
-        let Certificate { duration, pairs } = &self.documents.certificate;
+        let Certificate { duration, pairs, .. } = &self.documents.certificate;
         let planned = self.documents.plan.duration();
         let whole = [0.0, planned];
         let mut demands = Demands::default();
@@ -162,7 +162,6 @@ impl<'d> Check<'d> {
             *stated_required,
             required.least,
         );
-        demands.that(*stated < required.least, Quantity::Violation, *stated, required.least);
 
         let (_, view) = self.view(subject, instant, phase);
         let [a, b] = &view.solids;
@@ -179,6 +178,9 @@ impl<'d> Check<'d> {
         let shown = overlaps.map(|[a, b]| -a - b).fold(apart, f64::min);
         let is_shown = shown <= stated + WITNESS_SLACK && view.is_near;
         demands.that(is_shown, Quantity::WitnessDistance, *stated, shown);
+        // What is stated may be rounded to the required distance; what is shown must be below it.
+        let is_nearer = *stated <= required.least && shown < required.least;
+        demands.that(is_nearer, Quantity::Violation, *stated, required.least);
         self.report(Some(&subject.name), instant, demands);
     }
 

@@ -31,6 +31,8 @@ pub(crate) struct Documents {
 
 #[derive(Deserialize)]
 pub(crate) struct Resolved {
+    #[serde(rename = "schema")]
+    _known: Known,
     pub(crate) robot: Robot,
     pub(crate) cell: Cell,
     pub(crate) object: Option<Object>,
@@ -128,6 +130,8 @@ pub(crate) struct Object {
 
 #[derive(Deserialize)]
 pub(crate) struct Plan {
+    #[serde(rename = "schema")]
+    _known: Known,
     pub(crate) trajectory: Trajectory,
     pub(crate) opening: Trajectory,
     pub(crate) phases: Vec<Phase>,
@@ -169,6 +173,8 @@ pub(crate) struct Grasp {
 
 #[derive(Deserialize)]
 pub(crate) struct Certificate {
+    #[serde(rename = "schema")]
+    _known: Known,
     pub(crate) duration: f64,
     pub(crate) pairs: Vec<PairProof>,
 }
@@ -227,25 +233,38 @@ impl Documents {
     }
 }
 
-/// A document of the known form. The number is read first, for another form need not decode.
+/// The schema of a document, when it is [`SCHEMA`].
+#[derive(Deserialize)]
+#[serde(try_from = "u32")]
+struct Known;
+
+impl TryFrom<u32> for Known {
+    type Error = String;
+
+    fn try_from(schema: u32) -> Result<Self, String> {
+        if schema == SCHEMA { Ok(Self) } else { Err(format!("schema {schema} is unknown")) }
+    }
+}
+
+/// A document of the known form. One of another form need not decode: then its number is the reason.
 fn document<T: DeserializeOwned>(recording: &Recording, name: &'static str) -> Result<T, CheckerError> {
     #[derive(Deserialize)]
     struct Head {
         schema: u32,
     }
     let data = &recording.attachment(name).ok_or(CheckerError::Missing { name })?.data;
-    let undecodable = |source| CheckerError::Undecodable { name, source };
-    let Head { schema } = serde_json::from_slice(data).map_err(undecodable)?;
-    if schema != SCHEMA {
-        return Err(CheckerError::UnknownSchema { name, found: schema, known: SCHEMA });
-    }
-    serde_json::from_slice(data).map_err(undecodable)
+    serde_json::from_slice(data).map_err(|source| match serde_json::from_slice(data) {
+        Ok(Head { schema }) if schema != SCHEMA => {
+            CheckerError::UnknownSchema { name, found: schema, known: SCHEMA }
+        }
+        _ => CheckerError::Undecodable { name, source },
+    })
 }
 
 impl Resolved {
     /// The names of all bodies.
     fn names(&self) -> impl Iterator<Item = &str> {
-        let Self { robot, cell, object } = self;
+        let Self { robot, cell, object, .. } = self;
         let links = std::iter::once(&robot.base).chain(&robot.links);
         let links = links.chain(robot.gripper.fingers.iter().map(|finger| &finger.link));
         let links = links.map(|link| link.name.as_str());

@@ -59,6 +59,7 @@ pub(crate) fn gantry() -> Value {
         "name": "table", "shape": boxed(0.5, 0.5, 0.05), "world_from_shape": at(0.0, 0.0, -0.05),
     });
     json!({
+        "schema": 1,
         "robot": robot(joints, vec![link("bridge", &[]), link("carriage", &[]), hand]),
         "cell": {
             "gravity": [0.0, 0.0, -9.8],
@@ -86,6 +87,7 @@ pub(crate) fn plan(holdings: &[&str]) -> Value {
     let phase = |(i, holding): (usize, &&str)| json!({"name": format!("phase {i}"), "start": i as f64, "end": i as f64 + 1.0, "holding": holding});
     let still = |joints: &[[f64; 8]]| json!({"knots": [0.0, duration], "coefficients": [joints]});
     json!({
+        "schema": 1,
         "trajectory": still(&[[0.0; 8], [0.0; 8], [0.2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]]),
         "opening": still(&[[0.05, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]]),
         "phases": holdings.iter().enumerate().map(phase).collect::<Vec<_>>(),

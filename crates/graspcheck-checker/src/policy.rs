@@ -175,7 +175,7 @@ mod tests {
 
     /// What the cube must keep in each phase from a body, m.
     fn required_of(resolved: &Value, holdings: &[&str], body: &str) -> Vec<f64> {
-        let certificate = read(json!({"duration": 0.0, "pairs": []}));
+        let certificate = read(json!({"schema": 1, "duration": 0.0, "pairs": []}));
         let documents =
             Documents { resolved: read(resolved.clone()), plan: read(plan(holdings)), certificate };
         let scene = Scene::new(&documents.resolved);
