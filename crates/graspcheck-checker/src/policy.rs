@@ -14,11 +14,12 @@
 //! taken off for rounding of the motion.
 //!
 //! The gripper comes in the last phase before the fingers close and leaves in the first after they have
-//! opened; the object leaves in the first phase that holds it and reaches its place in the last.
+//! opened; the object leaves in the first phase that holds it and reaches its place in the last, if at least
+//! three hold it. The base may stand on the cell like the object.
 
 use crate::{
     closest::distance,
-    documents::{Documents, Holding},
+    documents::{Documents, Holding, Phase},
     scene::{BodyPair, Carrier, Mount, Role, Scene},
     solid::Placed,
     vector::Pose,
@@ -68,8 +69,13 @@ impl Stage {
         let Documents { resolved, plan, .. } = documents;
         let holding = plan.phases[phase].holding;
         let differs = |other: usize| plan.phases.get(other).is_some_and(|other| other.holding != holding);
-        let (begins, ends) = (phase > 0 && differs(phase - 1), differs(phase + 1));
         let is_held = holding == Holding::Held;
+        // Two phases that hold the object, or one, do not carry it clear of anything: neither is excused.
+        let held = |phase: &&Phase| phase.holding == Holding::Held;
+        let held_before = plan.phases[..phase].iter().rev().take_while(held).count();
+        let held_from_here = plan.phases[phase..].iter().take_while(held).count();
+        let excused = !is_held || held_before + held_from_here >= 3;
+        let (begins, ends) = (excused && phase > 0 && differs(phase - 1), excused && differs(phase + 1));
         let is_gripped = is_held || matches!(holding, Holding::Closing | Holding::Opening);
         let comes_or_leaves = (holding == Holding::AtStart && ends) || (holding == Holding::Placed && begins);
         let width = plan.grasp.as_ref().map_or(0.0, |grasp| grasp.width);
@@ -114,8 +120,10 @@ impl Stage {
     /// How far the two bodies of a pair must keep apart, m; negative where they may overlap.
     pub(crate) fn required(&self, scene: &Scene, pair: &BodyPair) -> Required {
         let clearance = Required::exactly(pair.clearance);
-        if scene.bodies[pair.a].role != Role::Object {
-            return clearance;
+        match (scene.bodies[pair.a].role, scene.bodies[pair.b].role) {
+            (Role::Object, _) => {}
+            (Role::Base, Role::Cell) => return Required::exactly(-STAND_DEPTH),
+            _ => return clearance,
         }
         match scene.bodies[pair.b].role {
             Role::Finger(_) if self.is_gripped => Required::exactly(-GRIP_DEPTH),
@@ -232,9 +240,11 @@ mod tests {
         let stands = -STAND_DEPTH;
         let leaves = [stands, stands, stands, stands, RULES, 0.001 + stands, stands, stands, stands];
         assert_close(&required_of(&gantry(), &PICK, "table"), &leaves);
-        // One phase that holds it leaves and reaches: the nearer place counts.
+        // Where no phase carries it clear, none is excused.
         let once = ["closing", "held", "opening"];
-        assert_close(&required_of(&gantry(), &once, "table"), &[stands; 3]);
+        assert_close(&required_of(&gantry(), &once, "table"), &[stands, RULES, stands]);
+        let twice = ["closing", "held", "held", "opening"];
+        assert_close(&required_of(&gantry(), &twice, "table"), &[stands, RULES, RULES, stands]);
         // A plan that begins with the object in the gripper never leaves anything.
         assert_close(&required_of(&gantry(), &["held", "held"], "table"), &[RULES; 2]);
         assert_close(&required_of(&gantry(), &["nothing"], "table"), &[stands]);
@@ -246,9 +256,9 @@ mod tests {
             let mut resolved = gantry();
             let body = json!({"name": "body", "shape": shape, "world_from_shape": place});
             resolved["cell"]["bodies"].as_array_mut().expect("a list").push(body);
-            required_of(&resolved, &["at_start", "closing", "held", "held", "opening"], "body")
+            required_of(&resolved, &["at_start", "closing", "held", "held", "held", "opening"], "body")
         };
-        let other = [0.0, 0.0, RULES, RULES, 0.0];
+        let other = [0.0, 0.0, RULES, RULES, RULES, 0.0];
         let plate = || boxed(0.02, 0.02, 0.01);
         // Beside, touching; above; at the table's height but far away; below, but 1.2 mm deep.
         assert_close(&with(plate(), at(-0.04, 0.0, 0.02)), &other);
@@ -256,7 +266,7 @@ mod tests {
         assert_close(&with(plate(), at(0.3, 0.3, -0.01)), &other);
         assert_close(&with(plate(), at(0.0, 0.0, -0.011_2)), &other);
         let high = with(plate(), at(0.0, 0.0, -0.010_5));
-        assert_close(&high, &[-STAND_DEPTH, -STAND_DEPTH, 5e-4 - STAND_DEPTH, RULES, 0.0]);
+        assert_close(&high, &[-STAND_DEPTH, -STAND_DEPTH, 5e-4 - STAND_DEPTH, RULES, RULES, 0.0]);
         // It stands in the table by 0.01 mm, which is allowed, or by 0.03 mm, which is not.
         let deep = |depth: f64| with(plate(), at(0.0, 0.0, -0.01 + depth));
         assert_close(&deep(1e-5)[..1], &[-1e-5 - STAND_DEPTH]);
@@ -269,8 +279,8 @@ mod tests {
         resolved["cell"]["gravity"] = json!([0.0, 0.0, 0.0]);
         let above = json!({"name": "roof", "shape": boxed(0.1, 0.1, 0.01), "world_from_shape": at(0.0, 0.0, 0.050_5)});
         resolved["cell"]["bodies"].as_array_mut().expect("a list").push(above);
-        let required = required_of(&resolved, &["closing", "held", "held", "opening"], "roof");
-        let expected = [-STAND_DEPTH, 5e-4 - STAND_DEPTH, RULES, 0.0];
+        let required = required_of(&resolved, &["closing", "held", "held", "held", "opening"], "roof");
+        let expected = [-STAND_DEPTH, 5e-4 - STAND_DEPTH, RULES, RULES, 0.0];
         assert!(required.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-8), "{required:?}");
     }
 }

@@ -138,14 +138,18 @@ impl Plan {
             return fault("the duration of the opening".to_owned(), found, seconds(duration));
         }
         let mut end = 0.0;
-        for Phase { name, start, end: next, .. } in &self.phases {
+        for (index, Phase { name, start, end: next, .. }) in self.phases.iter().enumerate() {
+            if self.phases[..index].iter().any(|before| before.name == *name) {
+                let expected = "a name of its own".to_owned();
+                return fault(format!("the name of phase {}", index + 1), name.clone(), expected);
+            }
             if !same(*start, end) {
                 return fault(format!("the start of phase {name}"), seconds(*start), seconds(end));
             }
             // A comparison with NaN is false, which is a fault.
-            let in_order = *next >= *start;
+            let in_order = *next > *start;
             if !in_order {
-                let expected = format!("{start} s or later");
+                let expected = format!("later than {start} s");
                 return fault(format!("the end of phase {name}"), seconds(*next), expected);
             }
             end = *next;

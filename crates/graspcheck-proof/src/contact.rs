@@ -13,15 +13,17 @@
 //! leaves in the first after it has opened; the object leaves its support in the first phase that holds it
 //! and reaches the next one in the last. Only there may it be nearer to a support than the rules say, and no
 //! nearer than it stands at rest: an object that is dragged or carried along just above a bench is found when
-//! that phase ends, for then the rules hold.
+//! that phase ends, for then the rules hold. Where fewer than three phases hold the object none of them carries it
+//! clear, and nothing is excused.
 //!
 //! A rule that names the pair replaces [`APPROACH_MARGIN`], for its reason says why; the palm is the last
 //! link. What may touch may overlap by [`DEPTH_LIMIT`] when it is executed.
+//! The base may stand on the cell and overlap it no more than an object may.
 //! All other pairs keep the clearance of the rules at all times.
 
 use graspcheck_model::{
     Pose,
-    plan::{Holding, Plan},
+    plan::{Holding, Phase, Plan},
 };
 use serde::{Deserialize, Serialize};
 
@@ -99,7 +101,11 @@ impl Occasion {
         let differs = |other: Option<usize>| {
             other.and_then(|other| plan.phases.get(other)).is_some_and(|other| other.holding != holding)
         };
-        Self { holding, begins: differs(phase.checked_sub(1)), ends: differs(Some(phase + 1)) }
+        let (mut begins, mut ends) = (differs(phase.checked_sub(1)), differs(Some(phase + 1)));
+        if holding == Holding::Held && !carries_between(plan, phase) {
+            (begins, ends) = (false, false);
+        }
+        Self { holding, begins, ends }
     }
 
     /// Whether the fingers may touch the object.
@@ -113,6 +119,15 @@ impl Occasion {
             || (self.holding == Holding::AtStart && self.ends)
             || (self.holding == Holding::Placed && self.begins)
     }
+}
+
+/// Whether the phases that hold the object around this one are at least three: one takes it off, one sets it
+/// down, and at least one between them keeps it clear of everything.
+fn carries_between(plan: &Plan, phase: usize) -> bool {
+    let is_held = |phase: &&Phase| phase.holding == Holding::Held;
+    let before = plan.phases[..phase].iter().rev().take_while(is_held).count();
+    let after = plan.phases[phase..].iter().take_while(is_held).count();
+    before + after >= 3
 }
 
 /// The scene on one [`Occasion`].
@@ -194,8 +209,9 @@ impl Stage {
             let (required, contact) = match stands {
                 Some(gap) if fixed => (gap.min(0.0) - SUPPORT_OVERLAP, Some(Contact::Support)),
                 Some(gap) => (bodies.required.min(gap - SUPPORT_OVERLAP), Some(Contact::Support)),
-                // What does not move cannot come nearer; it must not overlap.
+                // What does not move cannot come nearer; it must not overlap. The base may stand on the cell.
                 None if kind_a == Kind::Object && fixed => (0.0, None),
+                None if kind_a == Kind::Base && kind_b == Kind::Cell => (-SUPPORT_OVERLAP, None),
                 None if touches_gripper && occasion.grips() && matches!(kind_b, Kind::Finger(_)) => {
                     (-DEPTH_LIMIT, Some(Contact::Grip))
                 }
@@ -510,6 +526,35 @@ mod tests {
         }
         let high = Pick { carry_height: GRASP_HEIGHT + 2.1e-3, ..GOOD };
         assert_eq!(violated(&scene(vec![]), &plan(&high)), vec![]);
+    }
+
+    #[test]
+    fn where_no_phase_carries_the_object_clear_nothing_excuses_its_support() {
+        // As a planner leaves out moves of no length: first the lowering, then the lifting, too.
+        let low = Pick { carry_height: GRASP_HEIGHT, ..GOOD };
+        let mut dragged = plan(&low);
+        for left in ["lower", "lift"] {
+            let index = dragged.phases.iter().position(|phase| phase.name == left).unwrap();
+            let gone = dragged.phases.remove(index);
+            let carry = dragged.phases.iter_mut().find(|phase| phase.name == "carry").unwrap();
+            (carry.start, carry.end) = (carry.start.min(gone.start), carry.end.max(gone.end));
+            let found = violated(&scene(vec![]), &dragged);
+            assert!(found.iter().any(|(a, b, _)| a == "cube" && b == "table"), "{left}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_body_inside_the_base_is_found() {
+        let mut robot = gantry();
+        robot.base = fixtures::link("base", vec![(at(0.0, 0.4, 0.1), boxed(0.05, 0.05, 0.1))]);
+        let judge = |top: f64| {
+            let table = ("table", boxed(0.5, 0.5, 0.05), at(0.0, 0.0, top - 0.05));
+            let scene = Scene::new(&robot, &fixtures::cell(0.002, vec![table]), None).unwrap();
+            let still = fixtures::rest_to_rest(&[0.0, 0.0, 0.5], &[0.0, 0.0, 0.4], 1.0);
+            violated(&scene, &still)
+        };
+        assert_eq!(judge(0.0), vec![]);
+        assert!(judge(0.001).contains(&triple("base", "table", "move")));
     }
 
     #[test]

@@ -235,8 +235,7 @@ impl Scene {
         let all = || 0..self.bodies.len();
         let mut candidates: Vec<(usize, usize)> = Vec::new();
         let robot_cell = all().flat_map(|a| all().map(move |b| (a, b)));
-        candidates
-            .extend(robot_cell.filter(|&(a, b)| is_robot(a) && !is(a, Kind::Base) && is(b, Kind::Cell)));
+        candidates.extend(robot_cell.filter(|&(a, b)| is_robot(a) && is(b, Kind::Cell)));
         let robot_robot = all().flat_map(|a| (a + 1..self.bodies.len()).map(move |b| (a, b)));
         candidates
             .extend(robot_robot.filter(|&(a, b)| is_robot(a) && is_robot(b) && self.excuse(a, b).is_none()));

@@ -127,7 +127,7 @@ mod tests {
     fn plan(knots: Vec<f64>, pieces: Vec<Polynomial>, phases: &[(f64, f64)]) -> Plan {
         let duration = knots[knots.len() - 1];
         let phase = |&(start, end): &(f64, f64)| Phase {
-            name: "p".to_owned(),
+            name: format!("from {start}"),
             start,
             end,
             holding: Holding::Nothing,

@@ -26,6 +26,9 @@ use crate::stretch::{middle, stretches};
 /// of the joint's effort limit.
 pub const TORQUE_TOLERANCE: f64 = 0.005;
 
+/// Fingers whose masses differ by less than this share have the same mass.
+const SAME_MASS: f64 = 1e-9;
+
 /// A stretch shorter than this, s, is halved no more: at its ends a torque without friction differs by far less
 /// than any tolerance.
 const SHORTEST_STRETCH: f64 = 1e-6;
@@ -84,11 +87,11 @@ impl Eq for Node {}
 /// The largest torque of every joint over a plan, between bounds that differ by at most `tolerance` of the
 /// joint's effort limit, and by its dry friction where that is undecided.
 ///
-/// The gripper counts with the openings that it has at the start and at the end of a phase; between them its
-/// share of the torque is between theirs when both fingers have the same mass.
+/// The gripper counts with the least and the largest opening of a phase; between them its share of the torque is
+/// between theirs, as both fingers have the same mass and move alike.
 ///
 /// # Errors
-/// Says in words what does not fit in the plan.
+/// Says in words what does not fit in the plan, or that the fingers differ in mass.
 pub fn torque_peaks(
     robot: &RobotModel,
     gravity: Vector3<f64>,
@@ -97,6 +100,10 @@ pub fn torque_peaks(
     tolerance: f64,
 ) -> Result<Vec<TorquePeak>, String> {
     let stretches = stretches(plan, robot.dof())?;
+    let [left, right] = [0, 1].map(|finger| robot.gripper.fingers[finger].link.inertial.mass);
+    if (left - right).abs() > SAME_MASS * left.max(right) {
+        return Err(format!("fingers of {left} kg and {right} kg: torques are proved for equal ones"));
+    }
     let limits: Vec<f64> = robot.joints.iter().map(|joint| joint.limits.effort).collect();
     let arms = plan.phases.iter().enumerate().map(|(phase, _)| arms_of(robot, gravity, object, plan, phase));
     let arms: Vec<Vec<Dynamics>> = arms.collect();
@@ -162,7 +169,8 @@ pub fn torque_peaks(
     Ok(peaks)
 }
 
-/// The arm with what it holds in a phase, at the openings of the phase's start and end.
+/// The arm with what it may hold in a phase, at the least and the largest opening of the phase. While the fingers
+/// close and open the object may or may not weigh on them.
 fn arms_of(
     robot: &RobotModel,
     gravity: Vector3<f64>,
@@ -171,22 +179,23 @@ fn arms_of(
     phase: usize,
 ) -> Vec<Dynamics> {
     let phase = &plan.phases[phase];
-    let load = match (object, &plan.grasp) {
-        (Some(object), Some(grasp)) if phase.holding == Holding::Held => Some(grasp.load(robot, object)),
-        _ => None,
+    let load = object.zip(plan.grasp.as_ref()).map(|(object, grasp)| grasp.load(robot, object));
+    let loads = match phase.holding {
+        Holding::Held => vec![load],
+        Holding::Closing | Holding::Opening => vec![None, load],
+        Holding::Nothing | Holding::AtStart | Holding::Placed => vec![None],
     };
-    let at = |time: f64| plan.opening.eval(time.clamp(0.0, plan.opening.duration())).q[0];
+    let [start, end] = [phase.start, phase.end].map(|time| time.clamp(0.0, plan.opening.duration()));
+    let [narrow, wide] = plan.opening.range_in(0, 0, start, end).map(|extremum| extremum.value);
+    let mut openings = vec![narrow];
+    openings.extend((wide > narrow).then_some(wide));
     let arm = |opening: f64, load: Option<&Inertial>| {
         let mut arm = Dynamics::new(robot, gravity);
         arm.set_load(opening, load);
         arm
     };
-    let (first, last) = (at(phase.start), at(phase.end));
-    let mut arms = vec![arm(first, load.as_ref())];
-    if (first - last).abs() > 0.0 {
-        arms.push(arm(last, load.as_ref()));
-    }
-    arms
+    let all = openings.iter().flat_map(|&opening| loads.iter().map(move |load| (opening, load)));
+    all.map(|(opening, load)| arm(opening, load.as_ref())).collect()
 }
 
 #[cfg(test)]
@@ -283,6 +292,10 @@ mod tests {
         // The quill lifts 3 kg more: 3 · (9.81 + 10/√3 · 0.1/4) N at the peak of the quintic.
         let more = 3.0 * (9.81 + 10.0 / 3.0_f64.sqrt() * 0.1 / 4.0);
         assert!((held[2].upper - free[2].upper - more).abs() < 0.2, "{held:?} {free:?}");
+        // It may still weigh on fingers that open.
+        plan.phases[0].holding = Holding::Opening;
+        let opening = torque_peaks(&robot, GRAVITY, Some(&object), &plan, 1e-3).unwrap();
+        assert!((opening[2].upper - held[2].upper).abs() < 0.2, "{opening:?}");
     }
 
     #[test]

@@ -145,10 +145,24 @@ pub enum SimError {
         /// When, s.
         time: f64,
     },
+    /// The run would take more steps than a recording can hold.
+    #[error(
+        "simulation: {duration} s in steps of {dt} s are more than {limit} steps; shorten the motion or \
+         settle, or use a longer dt"
+    )]
+    TooManySteps {
+        /// Of plan and settling, s.
+        duration: f64,
+        /// Length of a step, s.
+        dt: f64,
+        /// The most steps that are simulated.
+        limit: f64,
+    },
     /// Two bodies moved so far in one step that they could have passed through each other.
     #[error(
-        "body {a}: moves by {moved} m against {b} in the step before t = {time} s, and together they are \
-         {thickness} m thick, so a collision could be missed; use a shorter dt"
+        "bodies {a} and {b}: move by {moved:.6} m against each other in the step before t = {time:.3} s, and \
+         together they are {thickness:.6} m thick, so a collision could be missed; move slower or use a \
+         shorter dt, and if they overlap, take them apart"
     )]
     StepTooLong {
         /// Name of one body.

@@ -31,10 +31,12 @@ pub mod error;
 #[cfg(test)]
 mod fixtures;
 mod gripper;
+mod mass;
 mod plant;
 mod recorder;
 mod run;
 mod self_test;
+mod solid;
 mod stride;
 mod tool;
 

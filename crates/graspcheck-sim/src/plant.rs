@@ -19,23 +19,26 @@ use graspcheck_model::{
     inertia::Inertial,
     object::Object,
     robot::{JointKind, Link, RobotModel},
-    shape::{PlacedShape, Shape},
+    shape::PlacedShape,
 };
-use nalgebra::{DMatrix, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, Translation3, Unit, UnitQuaternion, Vector3};
 use rapier3d::{
     dynamics::{
-        GenericJointBuilder, JointAxesMask, JointAxis, MassProperties, MotorModel, Multibody,
-        MultibodyDofCoupling, MultibodyJointHandle, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
+        GenericJointBuilder, JointAxesMask, JointAxis, MotorModel, Multibody, MultibodyDofCoupling,
+        MultibodyJointHandle, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
     },
-    geometry::{
-        Collider, ColliderBuilder, ContactPair, ConvexPolyhedron, Group, InteractionGroups,
-        InteractionTestMode, SharedShape,
-    },
-    math::{Pose as RapierPose, Vector},
+    geometry::{Collider, ColliderBuilder, ContactPair, Group, InteractionGroups, InteractionTestMode},
+    math::Vector,
     pipeline::{ActiveHooks, PhysicsHooks, PhysicsWorld},
 };
 
-use crate::{arc::ArcCorrection, convert, error::SimError};
+use crate::{
+    arc::ArcCorrection,
+    convert,
+    error::SimError,
+    mass::{mass_properties, massless},
+    solid::{rapier_shape, thickness},
+};
 
 /// The number of fingers; the joints of a plant are those of the arm and then these.
 pub(crate) const FINGERS: usize = 2;
@@ -582,38 +585,6 @@ fn dynamic(inertial: &Inertial) -> RigidBodyBuilder {
     RigidBodyBuilder::dynamic().can_sleep(false).additional_mass_properties(mass_properties(inertial))
 }
 
-/// Mass properties of a shape that has none: mass comes from the inertial data alone.
-///
-/// Rapier moves them into the body's frame and adds them to the body's. Where the outcome of that move is
-/// zero to the bit, which it is for shapes that are not turned, the sum is left out; otherwise the body's
-/// principal axes are computed again, see [`mass_properties`].
-fn massless(body_from_collider: &RapierPose) -> MassProperties {
-    let collider_from_body = body_from_collider.inverse();
-    MassProperties {
-        local_com: collider_from_body.translation,
-        principal_inertia_local_frame: collider_from_body.rotation,
-        ..MassProperties::default()
-    }
-}
-
-/// Mass properties with principal axes of our own. Those of `MassProperties::with_inertia_matrix` are wrong
-/// for small bodies: glamx 0.3.1 takes x for the first axis when products of differences of principal
-/// inertias are below 1e-10 kg²·m⁴ (seen on a finger of 2.9, 11 and 13 mg·m²).
-fn mass_properties(inertial: &Inertial) -> MassProperties {
-    let eigen = inertial.tensor.symmetric_eigen();
-    let mut axes = eigen.eigenvectors;
-    if axes.determinant() < 0.0 {
-        axes.column_mut(2).neg_mut();
-    }
-    let body_from_principal = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
-    MassProperties::with_principal_inertia_frame(
-        convert::point_to_rapier(&inertial.center),
-        inertial.mass,
-        convert::vector_to_rapier(&eigen.eigenvalues),
-        convert::rotation_to_rapier(&body_from_principal),
-    )
-}
-
 /// The rotation that brings x onto `axis`.
 fn turn_x_onto(axis: &Unit<Vector3<f64>>) -> Pose {
     // Undefined only for the opposite direction, where half a turn about z does it.
@@ -622,75 +593,13 @@ fn turn_x_onto(axis: &Unit<Vector3<f64>>) -> Pose {
     Pose::from_parts(Translation3::identity(), rotation)
 }
 
-/// Rapier's form of a shape and its pose in the body. Its cylinders stand along y, ours along z.
-fn rapier_shape(body: &str, placed: &PlacedShape) -> Result<(Pose, SharedShape), SimError> {
-    let body_from_shape = placed.body_from_shape;
-    Ok(match &placed.shape {
-        Shape::Box { half_extents } => {
-            (body_from_shape, SharedShape::cuboid(half_extents.x, half_extents.y, half_extents.z))
-        }
-        Shape::Sphere { radius } => (body_from_shape, SharedShape::ball(*radius)),
-        Shape::Cylinder { radius, half_length } => {
-            let quarter = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
-            (body_from_shape * quarter, SharedShape::cylinder(*half_length, *radius))
-        }
-        Shape::Capsule { radius, half_length } => {
-            (body_from_shape, SharedShape::capsule_z(*half_length, *radius))
-        }
-        Shape::Hull { points } => {
-            let vertices: Vec<Vector> = points.iter().map(convert::point_to_rapier).collect();
-            let hull = SharedShape::convex_hull(&vertices)
-                .ok_or_else(|| SimError::Hull { body: body.to_owned(), points: points.len() })?;
-            (body_from_shape, hull)
-        }
-    })
-}
-
-/// The least width of a solid, m: the least distance of two parallel planes that hold it.
-fn thickness(shape: &Shape, built: &SharedShape) -> f64 {
-    match shape {
-        Shape::Box { half_extents } => 2.0 * half_extents.min(),
-        Shape::Sphere { radius } | Shape::Capsule { radius, .. } => 2.0 * radius,
-        Shape::Cylinder { radius, half_length } => 2.0 * radius.min(*half_length),
-        Shape::Hull { .. } => {
-            let hull = built.as_convex_polyhedron().expect("a hull is built as a polyhedron");
-            hull_thickness(hull)
-        }
-    }
-}
-
-/// The least width of a polyhedron. It is taken along the normal of a face or along a line that is
-/// perpendicular to two edges (Houle and Toussaint, Computing the width of a set, 1988).
-fn hull_thickness(hull: &ConvexPolyhedron) -> f64 {
-    let points = hull.points();
-    let edges: Vec<Vector> = hull
-        .edges()
-        .iter()
-        .map(|edge| points[edge.vertices[1] as usize] - points[edge.vertices[0] as usize])
-        .collect();
-    let between_edges = edges
-        .iter()
-        .enumerate()
-        .flat_map(|(index, edge)| edges[..index].iter().map(move |other| edge.cross(*other)))
-        .filter_map(Vector::try_normalize);
-    let normals = hull.faces().iter().map(|face| face.normal).chain(between_edges);
-    normals
-        .map(|normal| {
-            let heights = points.iter().map(|point| normal.dot(*point));
-            let [low, high] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
-                [low.min(height), high.max(height)]
-            });
-            high - low
-        })
-        .fold(f64::INFINITY, f64::min)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixtures;
+    use crate::{fixtures, solid::hull_thickness};
     use graspcheck_model::dynamics::Dynamics;
     use nalgebra::DVector;
+    use rapier3d::geometry::SharedShape;
 
     fn plant(robot: &RobotModel, gravity: Vector3<f64>, dt: f64, substeps: usize) -> Plant {
         let contact = fixtures::execution().contact;

@@ -126,6 +126,9 @@ pub fn simulate(
     Ok(recorder.finish())
 }
 
+/// A run of more steps than this is refused: at some 3 kB of recording a step it would fill 3 GB of memory.
+const MOST_STEPS: f64 = 1e6;
+
 /// Checks that the parts fit together and returns the time base.
 fn validate(
     robot: &RobotModel,
@@ -155,6 +158,10 @@ fn validate(
         }
     }
     plan.check(robot.dof())?;
+    let duration = plan.duration() + execution.settle;
+    if duration / execution.dt > MOST_STEPS {
+        return Err(SimError::TooManySteps { duration, dt: execution.dt, limit: MOST_STEPS });
+    }
     fingers_can_follow(robot, plan)?;
     if let (Some(grasp), None) = (&plan.grasp, object) {
         return Err(SimError::GraspWithoutObject { handle: grasp.handle.clone() });
@@ -484,7 +491,7 @@ mod tests {
             .into_iter()
             .enumerate()
             .map(|(index, holding)| Phase {
-                name: format!("{holding:?}"),
+                name: format!("{index} {holding:?}"),
                 start: 0.5 * index as f64,
                 end: 0.5 * (index + 1) as f64,
                 holding,
@@ -756,5 +763,17 @@ mod tests {
         let without =
             simulate(&lift.robot, &lift.cell, None, &lift.plan, &fixtures::execution(), &mut |_, _| {});
         assert_eq!(without, Err(SimError::GraspWithoutObject { handle: "sides".to_owned() }));
+    }
+
+    #[test]
+    fn a_run_of_too_many_steps_is_refused_before_it_begins() {
+        let robot = fixtures::scara();
+        let mut execution = fixtures::execution();
+        execution.settle = 1e6;
+        let plan = fixtures::move_plan(&[0.0; 4], &[(0.5, vec![0.1; 4])]);
+        let cell = fixtures::empty_cell(fixtures::GRAVITY);
+        let error = simulate(&robot, &cell, None, &plan, &execution, &mut |_, _| {}).unwrap_err();
+        assert!(matches!(error, SimError::TooManySteps { .. }), "{error}");
+        assert!(error.to_string().contains("settle"), "{error}");
     }
 }

@@ -10,6 +10,7 @@
 //!
 //! | check | holds when |
 //! |---|---|
+//! | `planned.task` | the plan does what the task asks, and its parts tell one story |
 //! | `planned.position`, `.velocity`, `.acceleration`, `.jerk` | every joint is within its limit at every instant, by exact extrema |
 //! | `planned.continuity` | no joint jumps; acceleration steps only in motions with parabolic blends, by at most twice its limit |
 //! | `planned.clearance` | every pair of bodies keeps the distance it must, proved again here for every instant |

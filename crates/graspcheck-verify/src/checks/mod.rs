@@ -15,6 +15,7 @@ mod limits;
 mod opening;
 mod place;
 mod slip;
+mod task;
 mod torque;
 mod utilisation;
 mod via;
@@ -38,6 +39,7 @@ pub struct Check {
 
 /// All checks, in the order of a verdict.
 pub const CHECKS: &[Check] = &[
+    Check { name: "planned.task", basis: Basis::Exact, find: task::task },
     Check { name: "planned.position", basis: Basis::Exact, find: limits::position },
     Check { name: "planned.velocity", basis: Basis::Exact, find: limits::velocity },
     Check { name: "planned.acceleration", basis: Basis::Exact, find: limits::acceleration },
