@@ -242,12 +242,18 @@ pub enum PathCorner {
 pub struct Pace {
     /// Share of the velocity, acceleration and jerk limits that is used, 0 < share ≤ 1.
     pub share: f64,
+    /// How position follows time in joint moves.
+    #[serde(default)]
+    pub law: TimeLaw,
+    /// What the joints of a joint move have in common.
+    #[serde(default)]
+    pub sync: Sync,
     /// Phases that differ.
     pub phases: Vec<PhasePace>,
 }
 
 /// How fast the arm moves in one phase.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PhasePace {
     /// Name of the phase.
     pub phase: String,
@@ -255,6 +261,12 @@ pub struct PhasePace {
     pub share: Option<f64>,
     /// Exact duration, s: the same law, stretched or compressed in time, even past the limits.
     pub duration: Option<f64>,
+    /// How position follows time, where it differs; for joint moves alone.
+    #[serde(default)]
+    pub law: Option<TimeLaw>,
+    /// What the joints have in common, where it differs; for joint moves alone.
+    #[serde(default)]
+    pub sync: Option<Sync>,
 }
 
 /// How position follows time between two states of rest.

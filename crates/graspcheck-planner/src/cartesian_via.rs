@@ -27,7 +27,7 @@ use crate::{
     error::PlanError,
     input::check_number,
     opening::idle,
-    pace::CheckedPace,
+    pace::{CheckedPace, PhaseNames},
     path::{
         FollowedPath,
         fit::{FitError, fit},
@@ -46,7 +46,7 @@ pub(crate) fn find(
     task: &CartesianVia,
     pace: &Pace,
 ) -> Result<Planned, PlanError> {
-    let pace = CheckedPace::new(pace, &[PHASE])?;
+    let pace = CheckedPace::new(pace, PhaseNames { all: &[PHASE], joint_moves: &[] })?;
     let tolerance = Deviation { position: task.tolerance, angle: task.tolerance };
     check_number("tolerance, m and rad", task.tolerance, task.tolerance > 0.0, "finite and positive")?;
     let wrist = wrist_motion(task)?;

@@ -11,8 +11,13 @@ use graspcheck_model::{
 };
 
 use crate::{
-    Planned, error::PlanError, input::check_joint_count, joint_move::joint_move, opening::idle,
-    pace::CheckedPace, sequence::Sequence,
+    Planned,
+    error::PlanError,
+    input::check_joint_count,
+    joint_move::joint_move_by,
+    opening::idle,
+    pace::{CheckedPace, PhaseNames},
+    sequence::Sequence,
 };
 
 /// Plans the segments. An object that there is stays where it stands.
@@ -26,14 +31,14 @@ pub(crate) fn find(
     if names.is_empty() {
         return Err(PlanError::NoSegment);
     }
-    let pace = CheckedPace::new(pace, &names)?;
+    let pace = CheckedPace::new(pace, PhaseNames { all: &names, joint_moves: &names })?;
     let limits: Vec<JointLimits> = robot.joints.iter().map(|joint| joint.limits).collect();
     let holding = if object.is_some() { Holding::AtStart } else { Holding::Nothing };
     let mut sequence = Sequence::default();
     for JointSegment { name, from, to } in &task.segments {
         check_joint_count(&format!("segment {name}, from"), from, robot.dof())?;
         check_joint_count(&format!("segment {name}, to"), to, robot.dof())?;
-        let motion = joint_move(from, to, &limits, pace.share(name), pace.duration(name))
+        let motion = joint_move_by(from, to, &limits, pace.pacing(name))
             .map_err(|error| PlanError::JointMove { phase: name.clone(), error })?;
         sequence.add(name, &motion, holding)?;
     }

@@ -15,7 +15,7 @@ use crate::{
     cartesian_via::{PHASE, in_one_phase},
     error::PlanError,
     input::check_joint_count,
-    pace::CheckedPace,
+    pace::{CheckedPace, PhaseNames},
     via_motion::via_motion,
 };
 
@@ -26,7 +26,7 @@ pub(crate) fn find(
     task: &JointVia,
     pace: &Pace,
 ) -> Result<Planned, PlanError> {
-    let pace = CheckedPace::new(pace, &[PHASE])?;
+    let pace = CheckedPace::new(pace, PhaseNames { all: &[PHASE], joint_moves: &[] })?;
     for (k, point) in task.points.iter().enumerate() {
         check_joint_count(&format!("via point {}", k + 1), &point.q, robot.dof())?;
     }

@@ -19,7 +19,7 @@ use crate::{
     error::PlanError,
     input::{check_joint_count, check_number},
     opening::idle,
-    pace::CheckedPace,
+    pace::{CheckedPace, PhaseNames},
     path::{
         PathError, ToolPath,
         arc::{ArcTurn, arc_about, arc_through},
@@ -42,7 +42,7 @@ pub(crate) fn find(
     if names.is_empty() {
         return Err(PlanError::NoSegment);
     }
-    let pace = CheckedPace::new(pace, &names)?;
+    let pace = CheckedPace::new(pace, PhaseNames { all: &names, joint_moves: &[] })?;
     check_joint_count("start", &task.start, robot.dof())?;
     check_number("tolerance, m and rad", task.tolerance, task.tolerance > 0.0, "finite and positive")?;
     let tolerance = Deviation { position: task.tolerance, angle: task.tolerance };

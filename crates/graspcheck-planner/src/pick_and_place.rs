@@ -35,9 +35,9 @@ use crate::{
     candidate::{Candidate, CandidateOutcome, Stage, WristReach},
     error::{NothingReachable, PlanError},
     input::{check_joint_count, check_number},
-    joint_move::joint_move,
+    joint_move::joint_move_by,
     opening::{GripError, Openings},
-    pace::CheckedPace,
+    pace::{CheckedPace, PhaseNames},
     sequence::Sequence,
     stop::{Line, Reached, Rejected, Stop},
 };
@@ -59,7 +59,7 @@ pub(crate) fn find(
     task: &PickAndPlace,
     pace: &Pace,
 ) -> Result<Planned, PlanError> {
-    let pace = CheckedPace::new(pace, &PHASES)?;
+    let pace = CheckedPace::new(pace, PhaseNames { all: &PHASES, joint_moves: &["approach", "carry"] })?;
     check_task(robot, object, task)?;
     let pick = Pick {
         arm: Arm::new(robot).map_err(PlanError::NoInverse)?,
@@ -254,7 +254,7 @@ impl<'a> Pick<'a> {
         if from == to {
             return Ok(None);
         }
-        joint_move(from, to, &self.limits, self.pace.share(phase), self.pace.duration(phase))
+        joint_move_by(from, to, &self.limits, self.pace.pacing(phase))
             .map(Some)
             .map_err(|error| PlanError::JointMove { phase: phase.to_owned(), error })
     }

@@ -71,9 +71,15 @@ fn bad_segments_are_errors_that_name_the_segment() {
 fn pace_is_checked_against_the_segments() {
     let task = Task::JointSegments(JointSegments { segments: vec![segment("out", A, B)] });
     let mut pace = pace(1.0);
-    pace.phases.push(PhasePace { phase: "carry".to_owned(), share: None, duration: None });
+    pace.phases.push(PhasePace {
+        phase: "carry".to_owned(),
+        share: None,
+        duration: None,
+        ..PhasePace::default()
+    });
     let error = plan(&scara(), &cell(0.0, &[]), None, &task, &pace).unwrap_err();
     assert_eq!(error.to_string(), "pace: phase carry: the task has no such phase, only out");
-    pace.phases[0] = PhasePace { phase: "out".to_owned(), share: None, duration: Some(2.5) };
+    pace.phases[0] =
+        PhasePace { phase: "out".to_owned(), share: None, duration: Some(2.5), ..PhasePace::default() };
     assert_eq!(plan(&scara(), &cell(0.0, &[]), None, &task, &pace).unwrap().duration(), 2.5);
 }

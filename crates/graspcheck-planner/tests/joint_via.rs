@@ -60,7 +60,12 @@ fn blends_pass_near_the_points() {
 #[test]
 fn a_duration_stretches_the_whole_motion() {
     let mut slow = pace(1.0);
-    slow.phases.push(PhasePace { phase: "via".to_owned(), share: None, duration: Some(10.0) });
+    slow.phases.push(PhasePace {
+        phase: "via".to_owned(),
+        share: None,
+        duration: Some(10.0),
+        ..PhasePace::default()
+    });
     let task = Task::JointVia(task(ViaLaw::ComputedVelocities));
     let plan = plan(&rrr(), &cell(0.0, &[]), None, &task, &slow).unwrap();
     assert!((plan.trajectory.eval(4.0).q[0] - 1.0).abs() < 1e-12);

@@ -212,8 +212,8 @@ fn a_phase_with_a_duration_lasts_exactly_that_even_past_limits() {
     let task = Task::PickAndPlace(task);
     let mut pace = pace(0.9);
     pace.phases = vec![
-        PhasePace { phase: "carry".to_owned(), share: None, duration: Some(0.2) },
-        PhasePace { phase: "lift".to_owned(), share: Some(0.4), duration: None },
+        PhasePace { phase: "carry".to_owned(), share: None, duration: Some(0.2), ..PhasePace::default() },
+        PhasePace { phase: "lift".to_owned(), share: Some(0.4), duration: None, ..PhasePace::default() },
     ];
     let plan = plan(&robot, &bench_with_wall(), Some(&object), &task, &pace).unwrap();
     let carry = plan.phases.iter().find(|phase| phase.name == "carry").unwrap();

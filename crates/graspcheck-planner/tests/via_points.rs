@@ -216,7 +216,12 @@ fn a_first_point_beyond_a_limit_says_which() {
 #[test]
 fn a_duration_stretches_the_whole_motion() {
     let mut pace = pace(1.0);
-    pace.phases.push(PhasePace { phase: "via".to_owned(), share: None, duration: Some(3.5) });
+    pace.phases.push(PhasePace {
+        phase: "via".to_owned(),
+        share: None,
+        duration: Some(3.5),
+        ..PhasePace::default()
+    });
     let task = Task::CartesianVia(example(Elbow::Left));
     let fast = plan(&rrr(), &cell(0.0, &[]), None, &task, &pace).unwrap();
     let slow = planned(&rrr(), example(Elbow::Left)).unwrap();

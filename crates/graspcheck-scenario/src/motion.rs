@@ -1,6 +1,6 @@
 //! How fast the arm moves and how hard the gripper holds: `[motion]` and `[phase.NAME]`.
 
-use graspcheck_model::task::{Pace, PhasePace};
+use graspcheck_model::task::{Pace, PhasePace, Sync, TimeLaw};
 
 use crate::{
     fault::{Fault, Place},
@@ -13,6 +13,24 @@ pub const SHARE_DEFAULT: f64 = 0.9;
 
 /// How long the fingers are given to close or to open when the scenario does not say, s.
 pub const GRIP_DURATION_DEFAULT: f64 = 0.3;
+
+/// The laws of time of a joint move, as the scenario names them.
+const LAWS: [(&str, TimeLaw); 4] = [
+    ("s_curve", TimeLaw::SCurve),
+    ("quintic", TimeLaw::Quintic),
+    ("cubic", TimeLaw::Cubic),
+    ("trapezoid", TimeLaw::Trapezoid),
+];
+
+/// What the joints of a joint move have in common, as the scenario names it.
+const SYNCS: [(&str, Sync); 2] = [("straight", Sync::Straight), ("end_times", Sync::EndTimes)];
+
+/// `[motion]`: what holds for all phases that do not say otherwise.
+pub(crate) struct Motion {
+    share: Option<f64>,
+    law: Option<TimeLaw>,
+    sync: Option<Sync>,
+}
 
 /// The grip in the phases `close` and `open`.
 pub(crate) struct GripPace {
@@ -47,12 +65,28 @@ pub(crate) struct Phases<'a> {
     complete: bool,
 }
 
-/// Reads `[motion]`: the share of the limits.
-pub(crate) fn share(scenario: &Section<'_>) -> Option<f64> {
-    let Some(motion) = scenario.section("motion", "a motion") else { return Some(SHARE_DEFAULT) };
+/// Reads `[motion]`: the share of the limits, and how joint moves go.
+pub(crate) fn motion(scenario: &Section<'_>) -> Motion {
+    let (law, sync) = (Some(TimeLaw::default()), Some(Sync::default()));
+    let Some(motion) = scenario.section("motion", "a motion") else {
+        return Motion { share: Some(SHARE_DEFAULT), law, sync };
+    };
     let share = motion.measure_or("speed", Quantity::Share, Bound::UpToOne, SHARE_DEFAULT);
+    let read = Motion { share, law: motion.word("law", &LAWS, law), sync: motion.word("sync", &SYNCS, sync) };
     motion.finish();
-    share
+    read
+}
+
+/// A word that a phase need not say; the flag falls when it cannot be read.
+fn own_word<T: Copy>(phase: &Section<'_>, key: &str, words: &[(&str, T)], complete: &mut bool) -> Option<T> {
+    if !phase.has(key) {
+        // Asked for, so that it is among the keys that are known.
+        phase.ask(key);
+        return None;
+    }
+    let word = phase.word(key, words, None);
+    *complete &= word.is_some();
+    word
 }
 
 /// Reads `[phase.NAME]`. The names are known also where a value cannot be read.
@@ -85,7 +119,10 @@ pub(crate) fn phases<'a>(scenario: &Section<'a>) -> Phases<'a> {
                     let share = phase.measure("speed", Quantity::Share, Bound::UpToOne);
                     complete &= share.is_some() || !phase.mentions("speed");
                     both(&phase, at);
-                    arm.push(PlacedPace { pace: PhasePace { phase: name.to_owned(), share, duration }, at });
+                    let law = own_word(&phase, "law", &LAWS, &mut complete);
+                    let sync = own_word(&phase, "sync", &SYNCS, &mut complete);
+                    let pace = PhasePace { phase: name.to_owned(), share, duration, law, sync };
+                    arm.push(PlacedPace { pace, at });
                 }
             }
             phase.finish();
@@ -106,7 +143,8 @@ fn both(phase: &Section<'_>, at: &Place) {
 }
 
 /// The pace of a task; none where it could not be read.
-pub(crate) fn pace(share: Option<f64>, phases: &Phases<'_>) -> Option<Pace> {
-    let share = share.filter(|_| phases.complete)?;
-    Some(Pace { share, phases: phases.arm.iter().map(|phase| phase.pace.clone()).collect() })
+pub(crate) fn pace(motion: &Motion, phases: &Phases<'_>) -> Option<Pace> {
+    let share = motion.share.filter(|_| phases.complete)?;
+    let phases = phases.arm.iter().map(|phase| phase.pace.clone()).collect();
+    Some(Pace { share, law: motion.law?, sync: motion.sync?, phases })
 }

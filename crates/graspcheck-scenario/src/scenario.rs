@@ -13,13 +13,13 @@ use crate::{
     fault::{Fault, Faults, LoadError, Source},
     files::Files,
     find::name_of,
-    motion::{Phases, pace, phases, share},
+    motion::{Phases, motion, pace, phases},
     object::object,
     robot::{self, LoadedRobot},
     robot_file::schema,
     scene::Scene,
     section::Section,
-    task::{Kind, ReadTask, task, unknown_phase},
+    task::{JOINT_MOVES, Kind, ReadTask, task, unknown_phase},
 };
 
 /// Version of the form of a scenario file.
@@ -86,7 +86,7 @@ fn read(path: &Path, files: &mut Files, faults: &Faults) -> Option<Scenario> {
     let object = object(&file);
     let phases = phases(&file);
     let task_read = read_task(&file, model, object.name, &phases);
-    let share = share(&file);
+    let motion = motion(&file);
     let execution = execution(&file, seed.unwrap_or(0));
     let checks = checks(&file, task_read.kind);
     file.finish();
@@ -122,7 +122,7 @@ fn read(path: &Path, files: &mut Files, faults: &Faults) -> Option<Scenario> {
         },
         object,
         task: task_read.task?,
-        pace: pace(share, &phases)?,
+        pace: pace(&motion, &phases)?,
         execution: execution?,
         checks: limits,
         expect: expect?,
@@ -149,6 +149,18 @@ fn read_task(
     for phase in &phases.arm {
         if !read.phases.contains(&phase.pace.phase) {
             unknown_phase(&phase.pace.phase, phase.at, &read.phases, file);
+            continue;
+        }
+        let is_joint_move = match kind {
+            Kind::PickAndPlace => JOINT_MOVES.contains(&phase.pace.phase.as_str()),
+            Kind::Segments => true,
+            Kind::Via | Kind::JointVia | Kind::Path => false,
+        };
+        if (phase.pace.law.is_some() || phase.pace.sync.is_some()) && !is_joint_move {
+            let title =
+                format!("phase `{}` is no joint move: it has no law of time to choose", phase.pace.phase);
+            let label = "remove `law` and `sync`".to_owned();
+            file.faults().report(Fault::new("no-joint-move", phase.at, title, label));
         }
     }
     if kind != Kind::PickAndPlace {

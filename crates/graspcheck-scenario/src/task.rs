@@ -28,6 +28,9 @@ pub const PATH_TOLERANCE_DEFAULT: f64 = 1e-5;
 /// The phases of pick and place in which the arm moves.
 pub(crate) const ARM_PHASES: [&str; 6] = ["approach", "descend", "lift", "carry", "lower", "retreat"];
 
+/// Those of them that are joint moves.
+pub(crate) const JOINT_MOVES: [&str; 2] = ["approach", "carry"];
+
 /// The kind of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {

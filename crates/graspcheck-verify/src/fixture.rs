@@ -288,7 +288,7 @@ pub(crate) fn pick() -> Run {
         cell,
         object: Some(cube()),
         task,
-        pace: Pace { share: 0.9, phases: Vec::new() },
+        pace: Pace { share: 0.9, law: Default::default(), sync: Default::default(), phases: Vec::new() },
         execution: Some(execution()),
         checks: CheckLimits {
             tracking: Some(1e-3),
