@@ -96,6 +96,12 @@ impl Fault {
         self
     }
 
+    /// Gives advice that is no text to write.
+    pub(crate) fn saying(mut self, text: impl Into<String>) -> Self {
+        self.help = Some(Help { text: text.into(), replacement: None });
+        self
+    }
+
     /// Points to a second place.
     pub(crate) fn second(mut self, at: &Place, label: impl Into<String>) -> Self {
         self.second = Some(SecondPlace { source: at.source, span: at.span.clone(), label: label.into() });

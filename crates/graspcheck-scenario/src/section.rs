@@ -345,10 +345,19 @@ impl<'a> Section<'a> {
             let title = format!("unknown key `{key}` in {}", self.title);
             let fault =
                 Fault::new("unknown-key", &entry.key_at, title, format!("not a key of {}", self.what));
-            let absent =
-                asked.iter().map(String::as_str).filter(|known| !self.table.entries.contains_key(*known));
+            // A quantity that is there in one unit is not asked for again in another.
+            let is_there = |known: &str| {
+                let same = |present: &String| present != key && stem_of(present) == stem_of(known);
+                self.table.entries.contains_key(known) || self.table.entries.keys().any(same)
+            };
+            let absent = asked.iter().map(String::as_str).filter(|known| !is_there(known));
             let meant = nearest(key, absent).map(str::to_owned).or_else(|| of_the_same_unit(key, &missing));
             self.faults.report(match meant {
+                // Another unit means another number, which nobody can guess.
+                Some(meant) if stem_of(&meant) == stem_of(key) => {
+                    missing.retain(|key| *key != meant);
+                    fault.saying(format!("this unit is not known here; `{meant}` is"))
+                }
                 Some(meant) => {
                     missing.retain(|key| *key != meant);
                     fault.replace(format!("did you mean `{meant}`?"), meant)
@@ -375,6 +384,11 @@ impl Fault {
     fn replace_key(self, key: String) -> Self {
         self.replace("the unit stands in the key", key)
     }
+}
+
+/// A key without its last part, which is its unit if it has one.
+fn stem_of(key: &str) -> &str {
+    key.rsplit_once('_').map_or(key, |(stem, _)| stem)
 }
 
 /// The text of a node.

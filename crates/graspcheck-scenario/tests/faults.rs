@@ -131,6 +131,7 @@ type Case = (&'static str, &'static str, &'static str, &'static str, &'static st
 
 const CASES: &[Case] = &[
     ("mass_kg", "weight_kg", "unknown-key", "weight_kg", "unknown key `weight_kg` in [object.cube]"),
+    ("at_mm = [280", "at_cm = [280", "unknown-key", "at_cm", "unknown key `at_cm` in [object.cube]"),
     ("mass_kg", "mas_kg", "unknown-key", "mas_kg", "unknown key `mas_kg` in [object.cube]"),
     ("friction = 0.6\n", "", "missing-key", "[object.cube]", "missing key `friction` in [object.cube]"),
     (

@@ -60,6 +60,8 @@ pub enum Stage {
         pairs: usize,
         /// Leaves of the proof.
         leaves: usize,
+        /// Whether the planner made the proof, as it does where it compares ways to grasp.
+        with_the_plan: bool,
     },
     /// It has been executed.
     Simulated {
@@ -111,6 +113,7 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
         duration: plan.duration(),
     });
 
+    let with_the_plan = certificate.is_some();
     let certificate = match certificate {
         Some(certificate) => certificate,
         None => Scene::new(&resolved.robot, &resolved.cell, object)?.certify(&plan),
@@ -119,6 +122,7 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
         outcome: certificate.outcome(),
         pairs: certificate.pairs.len(),
         leaves: leaf_count(&certificate),
+        with_the_plan,
     });
 
     let mut recording = match &resolved.execution {

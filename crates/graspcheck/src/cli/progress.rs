@@ -59,13 +59,14 @@ impl Observer for Progress {
                     &format!("{phases} phases, {pieces} polynomial pieces, {duration:.3} s of motion"),
                 );
             }
-            Stage::Proved { outcome, pairs, leaves } => {
+            Stage::Proved { outcome, pairs, leaves, with_the_plan } => {
                 let verb = match outcome {
                     ProofOutcome::Free => "Proved",
                     ProofOutcome::Violated => "Refuted",
                     ProofOutcome::Unknown | ProofOutcome::NotChecked => "Undecided",
                 };
-                let what = format!("clearance of {pairs} pairs at every instant, with {leaves} leaves");
+                let when = if with_the_plan { ", while planning" } else { "" };
+                let what = format!("clearance of {pairs} pairs at every instant, {leaves} leaves{when}");
                 self.line(verb, &what);
             }
             Stage::Simulated { steps, dt } => {
