@@ -44,6 +44,7 @@ mod tool;
 use graspcheck_recording::Recording;
 
 pub use error::SimError;
+pub use recorder::phase_events;
 pub use run::{START_DEPTH_MAX, simulate};
 
 /// The physics that runs below, with its version: its semantics move in patch releases, so baselines carry

@@ -98,7 +98,7 @@ impl<'a> Recorder<'a> {
             object: plant.object().map_or_else(PoseSeries::default, |index| pose_series(&names[index], rows)),
             monitor: Vec::with_capacity(rows),
             frames,
-            events: plan.phases.iter().map(phase_event).collect(),
+            events: phase_events(plan),
             ..Recording::default()
         };
         Self {
@@ -263,6 +263,13 @@ fn pose_series(child: &str, rows: usize) -> PoseSeries {
         pose: Vec::with_capacity(rows),
         twist: Vec::with_capacity(rows),
     }
+}
+
+/// The events that say when each phase of a plan begins; a recording of a plan that is not executed has them,
+/// too.
+#[must_use]
+pub fn phase_events(plan: &Plan) -> Vec<Event> {
+    plan.phases.iter().map(phase_event).collect()
 }
 
 fn phase_event(phase: &graspcheck_model::plan::Phase) -> Event {

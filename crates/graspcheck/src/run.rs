@@ -142,7 +142,7 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
             observer.done(Stage::Simulated { steps, dt: execution.dt });
             recording
         }
-        None => Recording::default(),
+        None => Recording { events: graspcheck_sim::phase_events(&plan), ..Recording::default() },
     };
 
     attach(&mut recording, resolved, &plan, &certificate);
