@@ -1,8 +1,6 @@
 //! Numerical inverse kinematics: it inverts arms of every structure, keeps to their limits, gives the same answer
 //! twice, and says what is in the way.
 
-mod arms;
-
 use std::f64::consts::PI;
 
 use graspcheck_model::{
@@ -13,6 +11,8 @@ use graspcheck_model::{
 };
 use nalgebra::{Translation3, Vector3};
 use proptest::prelude::*;
+
+use crate::arms;
 
 /// A position of every joint within its limits, from numbers in 0..1.
 fn within_limits(robot: &RobotModel, share: &[f64]) -> Vec<f64> {

@@ -33,7 +33,7 @@ fn end(value: &Value) -> SplineEnd {
 #[test]
 fn splines_are_those_of_scipy_under_every_end_condition() {
     let oracle: Value =
-        serde_json::from_str(include_str!("../../../tests/oracles/splines.json")).expect("JSON");
+        serde_json::from_str(include_str!("../../../../tests/oracles/splines.json")).expect("JSON");
     let cases = oracle["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 5 * (4 * 4 + 1));
     for case in cases {

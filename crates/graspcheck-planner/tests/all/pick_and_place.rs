@@ -3,8 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 #![expect(clippy::float_cmp, reason = "these values must be met to the last digit")]
 
-mod robots;
-
+use crate::robots::{bench_with_wall, cell, cube, pace, pose, rrr, rrr_pick, scara, scara_pick};
 use graspcheck_model::{
     Pose,
     object::Object,
@@ -15,7 +14,6 @@ use graspcheck_model::{
 use graspcheck_planner::{
     CandidateOutcome, PlanError, branch::BranchFault, candidate::Stage, find, opening::SQUEEZE, plan,
 };
-use robots::{bench_with_wall, cell, cube, pace, pose, rrr, rrr_pick, scara, scara_pick};
 
 /// Distance (m) and angle (rad) between two poses.
 fn apart(a: &Pose, b: &Pose) -> f64 {

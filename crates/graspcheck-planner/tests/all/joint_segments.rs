@@ -2,14 +2,12 @@
 
 #![expect(clippy::float_cmp, reason = "these values must be met to the last digit")]
 
-mod robots;
-
+use crate::robots::{cell, cube, pace, scara};
 use graspcheck_model::{
     plan::Holding,
     task::{JointSegment, JointSegments, PhasePace, Task},
 };
 use graspcheck_planner::{PlanError, plan};
-use robots::{cell, cube, pace, scara};
 
 fn segment(name: &str, from: [f64; 4], to: [f64; 4]) -> JointSegment {
     JointSegment { name: name.to_owned(), from: from.to_vec(), to: to.to_vec() }

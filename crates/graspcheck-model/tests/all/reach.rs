@@ -1,7 +1,5 @@
 //! Names of branches, reasons for poses out of reach, and distances to singular poses.
 
-mod arms;
-
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use graspcheck_model::{
@@ -15,6 +13,8 @@ use graspcheck_model::{
 };
 use nalgebra::Vector3;
 use proptest::prelude::*;
+
+use crate::arms;
 
 fn inverse(robot: &RobotModel) -> InverseKinematics {
     InverseKinematics::new(robot).expect("a closed form")

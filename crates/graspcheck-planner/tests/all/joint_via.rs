@@ -1,7 +1,6 @@
 //! Via points in joint space as a task.
 
-mod robots;
-
+use crate::robots::{cell, pace, rrr};
 use graspcheck_model::{
     plan::{Holding, Plan},
     task::{JointVia, JointViaPoint, PhasePace, Task},
@@ -9,7 +8,6 @@ use graspcheck_model::{
 };
 use graspcheck_motion::ContinuityClass;
 use graspcheck_planner::{PlanError, plan};
-use robots::{cell, pace, rrr};
 
 const TIMES: [f64; 4] = [0.0, 2.0, 3.0, 5.0];
 const POINTS: [[f64; 3]; 4] = [[0.0, 0.5, -1.0], [1.0, 1.0, 0.0], [0.25, 1.5, 0.5], [0.5, 1.0, 1.0]];

@@ -1,8 +1,6 @@
 //! One formula for floats, intervals and rates: intervals hold what floats give, rates are slopes, and the
 //! product of transforms is where quaternions and closed forms say.
 
-mod arms;
-
 use graspcheck_model::{
     chain::{SerialChain, Twist},
     dynamics::{Dynamics, Workspace},
@@ -14,6 +12,8 @@ use graspcheck_model::{
 use graspcheck_motion::{Dual, Interval, MotionState, Polynomial, Scalar, Trajectory};
 use nalgebra::Vector3;
 use proptest::prelude::*;
+
+use crate::arms;
 
 const GRAVITY: Vector3<f64> = Vector3::new(1.0, -2.0, -9.0);
 

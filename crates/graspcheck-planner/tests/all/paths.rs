@@ -3,10 +3,9 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
-mod robots;
-
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::robots::{pose, rrr, scara};
 use graspcheck_model::{Pose, inverse::Unreachable, planar_path::PlanarPath, robot::RobotModel, task::Elbow};
 use graspcheck_motion::{Polynomial, Trajectory};
 use graspcheck_planner::{
@@ -24,7 +23,6 @@ use graspcheck_planner::{
 };
 use graspcheck_proof::deviation::{Deviation, DeviationError, DeviationOutcome, prove_deviation};
 use nalgebra::{UnitQuaternion, Vector3};
-use robots::{pose, rrr, scara};
 
 /// Pose of the SCARA's tool, pointing down, with its wrist at (x, y), turned by `yaw`.
 fn down(x: f64, y: f64, z: f64, yaw: f64) -> Pose {

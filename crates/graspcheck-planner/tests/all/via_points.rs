@@ -3,8 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 #![expect(clippy::float_cmp, reason = "these values must be met to the last digit")]
 
-mod robots;
-
+use crate::robots::{cell, pace, pose, rrr};
 use graspcheck_model::{
     inverse::PlanarWrist,
     plan::Plan,
@@ -14,7 +13,6 @@ use graspcheck_model::{
 };
 use graspcheck_planner::{PlanError, branch::BranchFault, plan};
 use nalgebra::Point2;
-use robots::{cell, pace, pose, rrr};
 
 fn example(elbow: Elbow) -> CartesianVia {
     let point = |t: f64, x: f64, y: f64, theta: f64| ViaPoint {
@@ -245,7 +243,7 @@ fn an_arm_that_stands_askew_follows_in_its_own_plane() {
 
 #[test]
 fn a_scara_cannot() {
-    let error = planned(&robots::scara(), example(Elbow::Left)).unwrap_err();
+    let error = planned(&crate::robots::scara(), example(Elbow::Left)).unwrap_err();
     assert!(matches!(error, PlanError::NoInverse(_)), "{error}");
 }
 

@@ -5,7 +5,7 @@ use graspcheck_model::{
     urdf::{UrdfFault, parse},
 };
 
-const GOOD: &str = include_str!("arms/small.urdf");
+const GOOD: &str = include_str!("../arms/small.urdf");
 
 /// One way to spoil the good text: what stands instead of what, and the fault that must come out as
 /// title, the text it points at (its beginning), and label.
@@ -275,10 +275,10 @@ fn a_place_behind_letters_of_several_bytes_is_still_right() {
 fn the_arms_of_the_assets_have_no_fault() {
     for (text, arm) in [
         (
-            include_str!("../../../assets/robots/scara/scara.urdf"),
+            include_str!("../../../../assets/robots/scara/scara.urdf"),
             &["shoulder", "elbow", "quill", "wrist"][..],
         ),
-        (include_str!("../../../assets/robots/rrr/rrr.urdf"), &["shoulder", "elbow", "wrist"][..]),
+        (include_str!("../../../../assets/robots/rrr/rrr.urdf"), &["shoulder", "elbow", "wrist"][..]),
     ] {
         let document = parse(text).unwrap_or_else(|faults| panic!("{faults:#?}"));
         assert_eq!(document.chain.arm, arm);

@@ -4,8 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 #![expect(clippy::float_cmp, reason = "these values must be met to the last digit")]
 
-mod robots;
-
+use crate::robots::{pose, rrr, scara};
 use graspcheck_model::{Pose, inverse::Unreachable, robot::RobotModel, task::Elbow};
 use graspcheck_planner::{
     branch::BranchFault,
@@ -13,7 +12,6 @@ use graspcheck_planner::{
     path::{PathMotion, ToolPath, line::straight_line},
 };
 use proptest::prelude::*;
-use robots::{pose, rrr, scara};
 
 /// Joint positions of the R-R-R with its wrist at (x, y) and link 3 along x.
 fn rrr_at(robot: &RobotModel, x: f64, y: f64, elbow: Elbow) -> Vec<f64> {

@@ -1,7 +1,5 @@
 //! Inverse kinematics: it inverts, it finds every branch and turn, and it explains what it cannot reach.
 
-mod arms;
-
 use std::f64::consts::{PI, TAU};
 
 use graspcheck_model::{
@@ -12,6 +10,8 @@ use graspcheck_model::{
 };
 use nalgebra::{Point2, UnitQuaternion, Vector3};
 use proptest::prelude::*;
+
+use crate::arms;
 
 /// Distance and angle between two poses, m and rad.
 fn difference(a: &Pose, b: &Pose) -> (f64, f64) {

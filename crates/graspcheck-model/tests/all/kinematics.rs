@@ -1,9 +1,9 @@
 //! Forward kinematics against the closed form, the Jacobian against differences.
 
-mod arms;
-
 use graspcheck_model::{Pose, robot::RobotModel};
 use nalgebra::{Matrix6xX, Vector3, Vector6};
+
+use crate::arms;
 
 /// The Jacobian by central differences of the tool's pose.
 fn differences(robot: &RobotModel, q: &[f64]) -> Matrix6xX<f64> {

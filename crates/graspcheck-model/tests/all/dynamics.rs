@@ -1,7 +1,5 @@
 //! Inverse dynamics against closed forms and against the energy of the moving arm.
 
-mod arms;
-
 use graspcheck_model::{
     dynamics::Dynamics,
     inertia::Inertial,
@@ -9,6 +7,8 @@ use graspcheck_model::{
 };
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 use proptest::prelude::*;
+
+use crate::arms;
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, -9.81, 0.0);
 

@@ -1,7 +1,5 @@
 //! From URDF and settings to a robot, and what can be wrong with the two together.
 
-mod arms;
-
 use std::f64::consts::FRAC_PI_2;
 
 use graspcheck_model::{
@@ -15,7 +13,9 @@ use graspcheck_model::{
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 
-const URDF: &str = include_str!("arms/small.urdf");
+use crate::arms;
+
+const URDF: &str = include_str!("../arms/small.urdf");
 
 /// A tetrahedron with corners at the origin and one along each axis, as a text STL.
 const TETRAHEDRON: &[u8] = b"solid t
