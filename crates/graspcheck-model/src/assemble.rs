@@ -4,6 +4,41 @@
 //! with it under its name. A collision mesh is replaced by its convex hull, which contains it: a proof
 //! that the hull is free holds for the mesh, a collision of the hull may be one of a hollow of the mesh.
 //! The rotation of an inertial frame is honoured.
+//!
+//! ```
+//! use graspcheck_model::{robot::RobotModel, settings::*, urdf, Pose};
+//!
+//! // A link with a box of 20 mm; that of a finger ends at the pad, y = 0.
+//! let link = |name: &str, y: f64| format!(r#"<link name="{name}">
+//!     <inertial><mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
+//!     <collision><origin xyz="0 {y} 0"/><geometry><box size="0.02 0.02 0.02"/></geometry></collision></link>"#);
+//! let slide = |name: &str, y: i32, mimic: &str| format!(r#"<joint name="{name}_slide" type="prismatic">
+//!     <parent link="arm"/><child link="{name}"/><axis xyz="0 {y} 0"/>
+//!     <limit lower="0" upper="0.04" velocity="0.1" effort="50"/>{mimic}</joint>"#);
+//! let text = format!(r#"<robot name="one"><link name="base"/>{}{}{}
+//!     <joint name="lift" type="prismatic"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+//!     <limit lower="0" upper="0.3" velocity="1" effort="100"/></joint>{}{}</robot>"#,
+//!     link("arm", 0.0), link("left", 0.01), link("right", -0.01),
+//!     slide("left", 1, ""), slide("right", -1, r#"<mimic joint="left_slide"/>"#));
+//! let document = urdf::parse(&text).expect("a good text");
+//! let mut settings = RobotSettings {
+//!     world_from_base: Pose::identity(),
+//!     joints: vec![JointSettings { name: "lift".into(), acceleration: 10.0, jerk: 100.0, rotor_inertia: 0.0 }],
+//!     tool: ToolSettings { link: "arm".into(), link_from_tool: Pose::identity() },
+//!     gripper: GripperSettings {
+//!         fingers: ["left_slide".into(), "right_slide".into()],
+//!         opening_max: 0.08, free_opening: 0.01, force_max: 50.0, finger_speed: 0.1,
+//!     },
+//!     allowed_contacts: Vec::new(),
+//! };
+//! let mut no_meshes = |name: &str| Err(format!("there is no mesh {name}"));
+//! let robot = RobotModel::assemble("one", &document, &settings, &mut no_meshes).expect("all fits");
+//! assert_eq!((robot.dof(), robot.world_from_tool(&[0.2]).translation.z), (1, 0.2));
+//!
+//! settings.joints[0].jerk = -3.0;
+//! let faults = RobotModel::assemble("one", &document, &settings, &mut no_meshes).expect_err("a bad limit");
+//! assert!(faults[0].title.contains("lift"), "{}", faults[0].title);
+//! ```
 
 use std::{collections::BTreeMap, io::Cursor, ops::Range};
 

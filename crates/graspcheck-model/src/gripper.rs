@@ -5,7 +5,14 @@ use nalgebra::Translation3;
 use crate::{Pose, robot::Gripper, shape::PlacedShape};
 
 impl Gripper {
-    /// From the frame of a finger (0 or 1) to the last link when the pads are `opening` metres apart.
+    /// From the frame of a finger (0 or 1) to the last link when the pads are `opening` metres apart: each
+    /// finger is half of that from the middle.
+    ///
+    /// ```
+    /// let gripper = graspcheck_model::example::planar().gripper;
+    /// let [left, right] = [0, 1].map(|finger| gripper.link_from_finger_at(finger, 0.05).translation.vector);
+    /// assert!(((left - right).norm() - 0.05).abs() < 1e-15);
+    /// ```
     ///
     /// # Panics
     /// When `finger` is neither 0 nor 1.
@@ -16,7 +23,7 @@ impl Gripper {
     }
 
     /// The solids of a finger (0 or 1) in the frame of the last link when the pads are `opening` metres
-    /// apart.
+    /// apart: those of the link, moved by [`Gripper::link_from_finger_at`]. Empty for a finger without any.
     ///
     /// # Panics
     /// When `finger` is neither 0 nor 1.

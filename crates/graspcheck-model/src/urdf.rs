@@ -11,6 +11,18 @@
 //! - two prismatic joints on the last link of the arm are the fingers, one mimicking the other.
 //!
 //! `<visual>` is checked for form and otherwise not used: what collides is what is shown.
+//!
+//! ```
+//! use graspcheck_model::urdf;
+//!
+//! let text = r#"<robot name="arm"><link name="base"/><link name="tip"/>
+//!   <joint name="lift" type="prismatic"><parent link="base"/><child link="tip"/><axis xyz="0 0 2"/></joint></robot>"#;
+//! let faults = urdf::parse(text).expect_err("it has faults");
+//! // All faults come at once, each with its place in the text.
+//! let axis = faults.iter().find(|fault| fault.title.contains("axis")).expect("an axis of length 2");
+//! assert!(text[axis.span.clone()].contains("0 0 2"));
+//! assert!(faults.iter().any(|fault| fault.title == "joint lift: no <limit>"));
+//! ```
 
 use std::{collections::BTreeMap, ops::Range};
 
