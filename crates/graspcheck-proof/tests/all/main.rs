@@ -1,0 +1,6 @@
+//! The proofs as a user of the crate sees them.
+
+#[path = "../trial/mod.rs"]
+mod trial;
+
+mod campaign;
