@@ -4,3 +4,4 @@
 mod trial;
 
 mod campaign;
+mod distance;
