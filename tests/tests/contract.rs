@@ -139,7 +139,7 @@ const LOSSES: [Loss; 6] = [
     (
         "reference",
         |log| log.reference = JointSeries::new(std::mem::take(&mut log.reference.names)),
-        &["torque", "saturation"],
+        &["torque", "saturation", "stability"],
     ),
     ("tool", |log| log.tool = without_rows(&log.tool), &["tracking", "slip"]),
     (

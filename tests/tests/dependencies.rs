@@ -32,7 +32,7 @@ const ALLOWED: &[Allowed] = &[
     (
         "graspcheck-sim",
         &["graspcheck-motion", "graspcheck-model", "graspcheck-proof", "graspcheck-recording"],
-        &["glamx", "nalgebra", "rapier3d", "thiserror"],
+        &["glamx", "nalgebra", "rand_chacha", "rapier3d", "thiserror"],
     ),
     (
         "graspcheck-verify",

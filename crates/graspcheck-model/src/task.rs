@@ -250,6 +250,30 @@ pub struct Pace {
     pub sync: Sync,
     /// Phases that differ.
     pub phases: Vec<PhasePace>,
+    /// What the controller makes of the motion, where it does not follow the plan's own polynomials.
+    #[serde(default)]
+    pub set_points: Option<SetPoints>,
+}
+
+/// A motion that reaches the controller as set points, between which the controller interpolates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SetPoints {
+    /// Time from one set point to the next, s.
+    pub period: f64,
+    /// How the controller interpolates.
+    pub interpolation: Interpolation,
+}
+
+/// How a controller interpolates between two set points, by what each of them carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Interpolation {
+    /// Positions alone: straight lines. The velocity jumps at every set point.
+    Linear,
+    /// Positions and velocities: cubics. The acceleration jumps.
+    Cubic,
+    /// Positions, velocities and accelerations: quintics. The jerk jumps.
+    Quintic,
 }
 
 /// How fast the arm moves in one phase.

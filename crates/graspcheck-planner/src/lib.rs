@@ -33,6 +33,7 @@ pub mod pick_and_place;
 mod planned;
 pub mod retime;
 mod sequence;
+pub mod set_points;
 mod stop;
 pub mod time_scaling;
 pub mod via;

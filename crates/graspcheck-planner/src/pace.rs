@@ -135,7 +135,7 @@ mod tests {
     use super::*;
 
     fn pace(share: f64, phases: Vec<PhasePace>) -> Pace {
-        Pace { share, law: Default::default(), sync: Default::default(), phases }
+        Pace { share, law: Default::default(), sync: Default::default(), phases, set_points: None }
     }
 
     fn names<'a>(all: &'a [&'a str]) -> PhaseNames<'a> {

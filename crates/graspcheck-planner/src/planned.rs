@@ -11,7 +11,7 @@ use graspcheck_proof::Certificate;
 
 use crate::{
     candidate::Candidate, cartesian_via, error::PlanError, joint_segments, joint_via, path_task,
-    pick_and_place,
+    pick_and_place, set_points,
 };
 
 /// A plan with what planning found out on the way.
@@ -37,7 +37,8 @@ impl Planned {
 ///
 /// A pick is planned on the fastest of its candidates that is proved clear of collision, or on the fastest
 /// of all when none is: the checks then say what is too near. Via points are planned at the times that they
-/// are given, joint segments as they are given. Whether the plan keeps limits is for the checks to say.
+/// are given, joint segments as they are given. Where the pace declares set points, the plan is what the
+/// controller makes of them. Whether the plan keeps limits is for the checks to say.
 ///
 /// # Errors
 /// When the task makes no sense for this robot and object, or cannot be reached: see [`PlanError`].
@@ -62,7 +63,7 @@ pub fn find(
     task: &Task,
     pace: &Pace,
 ) -> Result<Planned, PlanError> {
-    match task {
+    let planned = match task {
         Task::PickAndPlace(task) => {
             pick_and_place::find(robot, cell, object.ok_or(PlanError::NoObject)?, task, pace)
         }
@@ -70,5 +71,9 @@ pub fn find(
         Task::JointVia(task) => joint_via::find(robot, object, task, pace),
         Task::JointSegments(task) => joint_segments::find(robot, object, task, pace),
         Task::Path(task) => path_task::find(robot, object, task, pace),
-    }
+    }?;
+    let Some(points) = pace.set_points else { return Ok(planned) };
+    // What was proved on the way was another motion.
+    let plan = set_points::interpolated(planned.plan, points)?;
+    Ok(Planned { plan, certificate: None, ..planned })
 }

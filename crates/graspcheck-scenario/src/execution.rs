@@ -1,11 +1,16 @@
-//! How the plan is executed: `[controller]` and `[simulation]`.
+//! How the plan is executed: `[controller]` and `[simulation]`; what is not as the plan believes is read in
+//! [`imperfections`](crate::imperfections).
 
 use std::f64::consts::TAU;
 
-use graspcheck_model::execution::{ContactModel, Controller, Execution};
+use graspcheck_model::{
+    execution::{ContactModel, Controller, Execution},
+    robot::RobotModel,
+};
 
 use crate::{
     fault::Fault,
+    imperfections::imperfections,
     quantity::Quantity,
     section::{Bound, Section},
 };
@@ -25,20 +30,36 @@ pub const DAMPING_RATIO_DEFAULT: f64 = 1.0;
 pub const CONTACT_DEFAULT: ContactModel =
     ContactModel { frequency: 300.0, damping_ratio: 5.0, prediction: 0.002, friction: 0.8 };
 
-/// Reads `[controller]` and `[simulation]`; the inner option is none when the run is not to be executed.
-pub(crate) fn execution(scenario: &Section<'_>, seed: u64) -> Option<Option<Execution>> {
+/// `[controller]` as far as it could be read.
+struct ReadController {
+    controller: Controller,
+    /// Time between two commands, s.
+    period: Option<f64>,
+}
+
+/// Reads `[controller]`, `[simulation]` and `[imperfections]`; the inner option is none when the run is not to be
+/// executed.
+pub(crate) fn execution(
+    scenario: &Section<'_>,
+    robot: Option<&RobotModel>,
+    seed: u64,
+) -> Option<Option<Execution>> {
     let controller = match scenario.section("controller", "a controller") {
         Some(section) => controller(section),
-        None => Some(default_controller()),
+        None => Some(ReadController { controller: default_controller(), period: None }),
     };
+    let imperfections = imperfections(scenario, robot);
     let Some(section) = scenario.section("simulation", "a simulation") else {
+        let ReadController { controller, period } = controller?;
         return Some(Some(Execution {
             dt: STEP_DEFAULT,
             substeps: SUBSTEPS_DEFAULT,
             settle: SETTLE_DEFAULT,
-            controller: controller?,
+            controller,
+            control_period: period,
             contact: CONTACT_DEFAULT,
             seed,
+            imperfections: imperfections?,
         }));
     };
     let execute = section.flag("execute", true);
@@ -53,13 +74,16 @@ pub(crate) fn execution(scenario: &Section<'_>, seed: u64) -> Option<Option<Exec
         None => Some(CONTACT_DEFAULT),
     };
     section.finish();
+    let ReadController { controller, period } = controller?;
     let execution = Execution {
         dt: dt?,
         substeps: substeps?,
         settle: settle?,
-        controller: controller?,
+        controller,
+        control_period: period,
         contact: contact?,
         seed,
+        imperfections: imperfections?,
     };
     execute.map(|execute| execute.then_some(execution))
 }
@@ -68,13 +92,46 @@ fn default_controller() -> Controller {
     Controller::ComputedTorque { bandwidth: TAU * BANDWIDTH_DEFAULT, damping_ratio: DAMPING_RATIO_DEFAULT }
 }
 
-fn controller(section: Section<'_>) -> Option<Controller> {
-    let kind = section.word("kind", &[("computed_torque", ())], Some(()));
-    let bandwidth = section.measure_or("bandwidth", Quantity::Frequency, Bound::Positive, BANDWIDTH_DEFAULT);
-    let damping_ratio = section.plain_or("damping_ratio", Bound::Positive, DAMPING_RATIO_DEFAULT);
+/// The laws, as the scenario names them.
+#[derive(Clone, Copy)]
+enum Law {
+    ComputedTorque,
+    GravityPd,
+    JointPd,
+    IdealServo,
+}
+
+const LAWS: [(&str, Law); 4] = [
+    ("computed_torque", Law::ComputedTorque),
+    ("gravity_pd", Law::GravityPd),
+    ("joint_pd", Law::JointPd),
+    ("ideal_servo", Law::IdealServo),
+];
+
+fn controller(section: Section<'_>) -> Option<ReadController> {
+    let law = section.word("kind", &LAWS, Some(Law::ComputedTorque));
+    // A servo has no gains: its keys would be unknown ones.
+    let gains = match law {
+        Some(Law::IdealServo) => Some((0.0, 0.0)),
+        _ => {
+            let bandwidth =
+                section.measure_or("bandwidth", Quantity::Frequency, Bound::Positive, BANDWIDTH_DEFAULT);
+            let damping_ratio = section.plain_or("damping_ratio", Bound::Positive, DAMPING_RATIO_DEFAULT);
+            bandwidth.zip(damping_ratio)
+        }
+    };
+    let period = section.measure("period", Quantity::Time, Bound::Positive);
+    let period_fails = section.mentions("period") && period.is_none();
     section.finish();
-    kind?;
-    Some(Controller::ComputedTorque { bandwidth: TAU * bandwidth?, damping_ratio: damping_ratio? })
+    let (bandwidth, damping_ratio) = gains?;
+    let bandwidth = TAU * bandwidth;
+    let controller = match law? {
+        Law::ComputedTorque => Controller::ComputedTorque { bandwidth, damping_ratio },
+        Law::GravityPd => Controller::GravityPd { bandwidth, damping_ratio },
+        Law::JointPd => Controller::JointPd { bandwidth, damping_ratio },
+        Law::IdealServo => Controller::IdealServo,
+    };
+    (!period_fails).then_some(ReadController { controller, period })
 }
 
 /// The step of the physics. It divides one second, so that times in a recording are whole nanoseconds or

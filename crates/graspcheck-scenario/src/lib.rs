@@ -26,6 +26,7 @@ mod extends;
 mod fault;
 mod files;
 mod find;
+mod imperfections;
 mod motion;
 mod object;
 mod path_task;

@@ -1,6 +1,6 @@
 //! How fast the arm moves and how hard the gripper holds: `[motion]` and `[phase.NAME]`.
 
-use graspcheck_model::task::{Pace, PhasePace, Sync, TimeLaw};
+use graspcheck_model::task::{Interpolation, Pace, PhasePace, SetPoints, Sync, TimeLaw};
 
 use crate::{
     fault::{Fault, Place},
@@ -25,11 +25,17 @@ const LAWS: [(&str, TimeLaw); 4] = [
 /// What the joints of a joint move have in common, as the scenario names it.
 const SYNCS: [(&str, Sync); 2] = [("straight", Sync::Straight), ("end_times", Sync::EndTimes)];
 
+/// How a controller interpolates, as the scenario names it.
+const INTERPOLATIONS: [(&str, Interpolation); 3] =
+    [("linear", Interpolation::Linear), ("cubic", Interpolation::Cubic), ("quintic", Interpolation::Quintic)];
+
 /// `[motion]`: what holds for all phases that do not say otherwise.
 pub(crate) struct Motion {
     share: Option<f64>,
     law: Option<TimeLaw>,
     sync: Option<Sync>,
+    /// The inner option is none when the controller follows the plan's own polynomials.
+    set_points: Option<Option<SetPoints>>,
 }
 
 /// The grip in the phases `close` and `open`.
@@ -69,12 +75,29 @@ pub(crate) struct Phases<'a> {
 pub(crate) fn motion(scenario: &Section<'_>) -> Motion {
     let (law, sync) = (Some(TimeLaw::default()), Some(Sync::default()));
     let Some(motion) = scenario.section("motion", "a motion") else {
-        return Motion { share: Some(SHARE_DEFAULT), law, sync };
+        return Motion { share: Some(SHARE_DEFAULT), law, sync, set_points: Some(None) };
     };
     let share = motion.measure_or("speed", Quantity::Share, Bound::UpToOne, SHARE_DEFAULT);
-    let read = Motion { share, law: motion.word("law", &LAWS, law), sync: motion.word("sync", &SYNCS, sync) };
+    let set_points = match motion.section("set_points", "set points") {
+        Some(section) => set_points(section).map(Some),
+        None => (!motion.has("set_points")).then_some(None),
+    };
+    let read = Motion {
+        share,
+        law: motion.word("law", &LAWS, law),
+        sync: motion.word("sync", &SYNCS, sync),
+        set_points,
+    };
     motion.finish();
     read
+}
+
+/// Reads `[motion.set_points]`.
+fn set_points(section: Section<'_>) -> Option<SetPoints> {
+    let rate = section.required_measure("rate", Quantity::Frequency, Bound::Positive);
+    let interpolation = section.word("interpolation", &INTERPOLATIONS, None);
+    section.finish();
+    Some(SetPoints { period: 1.0 / rate?, interpolation: interpolation? })
 }
 
 /// A word that a phase need not say; the flag falls when it cannot be read.
@@ -146,5 +169,5 @@ fn both(phase: &Section<'_>, at: &Place) {
 pub(crate) fn pace(motion: &Motion, phases: &Phases<'_>) -> Option<Pace> {
     let share = motion.share.filter(|_| phases.complete)?;
     let phases = phases.arm.iter().map(|phase| phase.pace.clone()).collect();
-    Some(Pace { share, law: motion.law?, sync: motion.sync?, phases })
+    Some(Pace { share, law: motion.law?, sync: motion.sync?, phases, set_points: motion.set_points? })
 }

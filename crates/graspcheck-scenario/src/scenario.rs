@@ -87,7 +87,7 @@ fn read(path: &Path, files: &mut Files, faults: &Faults) -> Option<Scenario> {
     let phases = phases(&file);
     let task_read = read_task(&file, model, object.name, &phases);
     let motion = motion(&file);
-    let execution = execution(&file, seed.unwrap_or(0));
+    let execution = execution(&file, model, seed.unwrap_or(0));
     let checks = checks(&file, task_read.kind);
     file.finish();
     let scene = Scene {

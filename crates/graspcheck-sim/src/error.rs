@@ -1,6 +1,6 @@
 //! Why a simulation was refused or given up.
 
-use graspcheck_model::plan::PlanFault;
+use graspcheck_model::{error::ModelError, plan::PlanFault};
 
 /// Why a plan could not be executed.
 ///
@@ -26,6 +26,45 @@ pub enum SimError {
         value: f64,
         /// What it must be.
         requirement: &'static str,
+    },
+    /// A time is no whole number of steps.
+    #[error("execution: {setting} {time} s is no whole number of steps of {dt} s; change it or dt")]
+    NotWholeSteps {
+        /// Its name.
+        setting: &'static str,
+        /// The time, s.
+        time: f64,
+        /// Length of a step, s.
+        dt: f64,
+    },
+    /// A list has no value for each joint.
+    #[error("execution: {setting} has {count} values for {joints} joints; give one for each, or none")]
+    ForEachJoint {
+        /// Its name.
+        setting: &'static str,
+        /// How many values there are.
+        count: usize,
+        /// How many joints there are.
+        joints: usize,
+    },
+    /// A ripple of torques that are not commanded.
+    #[error("execution: an ideal servo has no torque ripple; choose a controller that commands torques")]
+    RippleOfServo,
+    /// A push on a body that is not there or cannot move.
+    #[error("execution: push on {body}, which is none of the bodies that move: {bodies}")]
+    PushedBody {
+        /// Name of the body.
+        body: String,
+        /// The names of those that move.
+        bodies: String,
+    },
+    /// A link whose mass properties no body can have.
+    #[error("link {link}: {fault}")]
+    Inertial {
+        /// Name of the link.
+        link: String,
+        /// What is wrong.
+        fault: ModelError,
     },
     /// The parts of the plan do not fit each other or the robot.
     #[error("plan: {0}")]

@@ -241,6 +241,8 @@ pub(crate) fn execution() -> Execution {
         controller: Controller::ComputedTorque { bandwidth: 100.0, damping_ratio: 1.0 },
         contact: ContactModel { frequency: 300.0, damping_ratio: 5.0, prediction: 0.002, friction: 0.8 },
         seed: 1,
+        control_period: None,
+        imperfections: Default::default(),
     }
 }
 

@@ -19,33 +19,42 @@
 //! Frames: W world, B base, L links, T tool, O object. Symbols: `q`, `qd`, `qdd` joint positions,
 //! velocities, accelerations (rad or m). In arrays of joints the arm comes first, then the two fingers.
 //!
-//! Reading order: [`error`], then the private modules `plant` (robot, cell and object as rapier bodies),
-//! `self_test`, `controller`, `gripper`, `contacts`, `stride`, `recorder`, `run`.
+//! Reading order: [`error`], then the private modules `validate`, `builder` and `plant` (robot, cell and object as
+//! rapier bodies), `self_test`, `encoders`, `controller`, `drives`, `gripper`, `reality` (what is not as declared),
+//! `contacts`, `stride`, `guard`, `recorder`, `run`.
 
 mod arc;
+mod builder;
 mod clock;
 mod contacts;
 mod controller;
 mod convert;
+mod drives;
+mod encoders;
 pub mod error;
 #[cfg(test)]
 mod fixtures;
 mod gripper;
+mod guard;
 mod mass;
 mod plant;
+mod random;
+mod reality;
 mod recorder;
 mod run;
 mod self_test;
 mod solid;
 mod stride;
 mod tool;
+mod validate;
 
 #[cfg(doc)]
 use graspcheck_recording::Recording;
 
 pub use error::SimError;
+pub use guard::START_DEPTH_MAX;
 pub use recorder::phase_events;
-pub use run::{START_DEPTH_MAX, simulate};
+pub use run::simulate;
 
 /// The physics that runs below, with its version: its semantics move in patch releases, so baselines carry
 /// it.

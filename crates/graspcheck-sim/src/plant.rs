@@ -1,43 +1,35 @@
 //! Robot, cell and object as bodies of a rapier world.
 //!
-//! The robot is one multibody in reduced coordinates with a fixed base. Rapier's free axis of a joint is
-//! the local x axis of the joint's frames, so both frames are turned to bring x onto the joint's axis;
-//! then the frame of a body is the frame of the link, with nothing left to correct.
+//! The robot is one multibody in reduced coordinates with a fixed base; [`builder`](crate::builder) makes it.
 //!
 //! What rapier does silently and is undone here: damping of 0.1 N·m·s/rad on every revolute joint, mass
 //! properties that are only computed at the first step, sleeping, contacts predicted at 2 cm and solved as
 //! springs of 30 Hz, contacts that are not computed again until a body has moved by 5 cm, and continuous
 //! collision detection, which moves bodies back in time.
 //!
-//! Bodies of the robot touch each other like everything else, but for the pairs that the robot allows: the
-//! same pairs that the proof excuses, and no others.
+//! Not in the plant: limits of velocity, which no drive of ours has. They are for the checks to judge.
 
 use graspcheck_model::{
     Pose,
     cell::Cell,
-    execution::ContactModel,
-    inertia::Inertial,
     object::Object,
-    robot::{JointKind, Link, RobotModel},
+    robot::{JointKind, RobotModel},
     shape::PlacedShape,
 };
-use nalgebra::{DMatrix, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::DMatrix;
 use rapier3d::{
-    dynamics::{
-        GenericJointBuilder, JointAxesMask, JointAxis, MotorModel, Multibody, MultibodyDofCoupling,
-        MultibodyJointHandle, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
-    },
-    geometry::{Collider, ColliderBuilder, ContactPair, Group, InteractionGroups, InteractionTestMode},
+    dynamics::{JointAxis, Multibody, MultibodyDofCoupling, MultibodyJointHandle, RigidBodyHandle},
+    geometry::{Collider, ContactPair},
     math::Vector,
-    pipeline::{ActiveHooks, PhysicsHooks, PhysicsWorld},
+    pipeline::{PhysicsHooks, PhysicsWorld},
 };
 
+pub(crate) use crate::builder::{PlantSettings, Size};
 use crate::{
     arc::ArcCorrection,
+    builder::{Builder, collision_groups},
     convert,
     error::SimError,
-    mass::{mass_properties, massless},
-    solid::{rapier_shape, thickness},
 };
 
 /// The number of fingers; the joints of a plant are those of the arm and then these.
@@ -47,6 +39,10 @@ pub(crate) const FINGERS: usize = 2;
 /// velocity that can be seen (1 µm/s asks for 1 N).
 const FINGER_MOTOR_GAIN: f64 = 1e6;
 
+/// Gain of the arm's velocity motors, N·m·s/rad or N·s/m. Rapier solves them implicitly, so the inertia of a
+/// metre-long arm at steps of 1 ms (some 1e6 N·m·s/rad) slows them by a thousandth.
+const SERVO_GAIN: f64 = 1e9;
+
 /// Sweeps over all contacts and joint rows in each substep while the pads press, with and without the
 /// correction of depth. With one sweep a cube of 0.1 kg held with 10 N creeps by 0.2 mm in a swing of 0.6 s, with ten by 0.03 mm;
 /// more change nothing.
@@ -54,10 +50,6 @@ const SWEEPS_IN_GRASP: usize = 10;
 
 /// The same while they do not: what then touches is an object that stands.
 const SWEEPS_ELSE: usize = 1;
-
-/// How many bodies of the robot can have a collision group of their own: rapier has 32, and one is left for
-/// all that need none.
-const OWN_GROUPS: usize = 31;
 
 /// The rapier world of a run.
 pub(crate) struct Plant {
@@ -72,25 +64,6 @@ pub(crate) struct Plant {
     sizes: Vec<Size>,
     /// Index of the object among the bodies.
     object: Option<usize>,
-}
-
-/// How large a body is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Size {
-    /// Largest distance of a point of it from its frame's origin, m, or more.
-    pub(crate) reach: f64,
-    /// Least width of its thinnest solid, m; infinite without a solid.
-    pub(crate) thickness: f64,
-}
-
-/// How a plant is built.
-pub(crate) struct PlantSettings<'a> {
-    /// Length of a step, s.
-    pub(crate) dt: f64,
-    /// Solver substeps in one step.
-    pub(crate) substeps: usize,
-    /// How contacts are solved.
-    pub(crate) contact: &'a ContactModel,
 }
 
 impl Plant {
@@ -241,16 +214,44 @@ impl Plant {
         Some([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
     }
 
-    /// Sets the efforts of the arm's joints, N·m or N, for the next step.
+    /// Takes all forces off robot and object; what follows is for the next step.
+    pub(crate) fn clear_forces(&mut self) {
+        let moving =
+            self.bodies[1..=self.kinds.len()].iter().chain(self.object.map(|index| &self.bodies[index]));
+        for handle in moving {
+            self.world.bodies[*handle].reset_forces(false);
+            self.world.bodies[*handle].reset_torques(false);
+        }
+    }
+
+    /// The index of the body with this name.
+    pub(crate) fn body_named(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|known| known == name)
+    }
+
+    /// Adds a force on a body at its centre of mass, in the world, N, for the next step.
+    pub(crate) fn push(&mut self, body: usize, force: [f64; 3]) {
+        self.world.bodies[self.bodies[body]].add_force(force.into(), false);
+    }
+
+    /// Drives the arm's joints at these velocities, rad/s or m/s, by any effort within their limits.
+    pub(crate) fn drive_arm(&mut self, robot: &RobotModel, velocities: &[f64]) {
+        let (multibody, _) =
+            self.world.multibody_joints.get_mut(self.arm).expect("the joint is never removed");
+        for (index, (joint, velocity)) in robot.joints.iter().zip(velocities).enumerate() {
+            let link = multibody.link_mut(index + 1).expect("every joint has its link");
+            let axis = free_axis(joint.kind);
+            link.joint.data.set_motor_velocity(axis, *velocity, SERVO_GAIN);
+            link.joint.data.set_motor_max_force(axis, joint.limits.effort);
+        }
+    }
+
+    /// Adds the efforts of the arm's joints, N·m or N, for the next step.
     ///
     /// Each acts as an equal and opposite pair on the two links of its joint, along the axis as it stands
     /// now; between substeps the pair keeps its direction in the world.
     pub(crate) fn apply_efforts(&mut self, efforts: &[f64]) {
         let world = &mut self.world;
-        for handle in &self.bodies[1..=self.kinds.len()] {
-            world.bodies[*handle].reset_forces(false);
-            world.bodies[*handle].reset_torques(false);
-        }
         let (multibody, _) = world.multibody_joints.get(self.arm).expect("the joint is never removed");
         for (index, (effort, link)) in efforts.iter().zip(multibody.links().skip(1)).enumerate() {
             let world_from_joint = *link.local_to_world() * link.joint.data.local_frame2;
@@ -378,228 +379,20 @@ impl Plant {
 }
 
 /// The coordinate of rapier's joint that is free.
-fn free_axis(kind: JointKind) -> JointAxis {
+pub(crate) fn free_axis(kind: JointKind) -> JointAxis {
     match kind {
         JointKind::Revolute => JointAxis::AngX,
         JointKind::Prismatic => JointAxis::LinX,
     }
 }
 
-/// A joint as rapier needs it.
-struct JointData {
-    kind: JointKind,
-    parent_from_joint: Pose,
-    axis: Unit<Vector3<f64>>,
-    position_limits: [f64; 2],
-}
-
-struct Builder {
-    world: PhysicsWorld,
-    bodies: Vec<RigidBodyHandle>,
-    names: Vec<String>,
-    sizes: Vec<Size>,
-    friction: f64,
-    /// What the bodies of the robot touch, which are added first; all others touch everything.
-    groups: Vec<InteractionGroups>,
-}
-
-impl Builder {
-    fn new(gravity: Vector3<f64>, settings: &PlantSettings<'_>) -> Self {
-        let mut world = PhysicsWorld::new();
-        world.gravity = convert::vector_to_rapier(&gravity);
-        let softness = SpringCoefficients::new(settings.contact.frequency, settings.contact.damping_ratio);
-        let parameters = &mut world.integration_parameters;
-        parameters.dt = settings.dt;
-        parameters.num_solver_iterations = settings.substeps;
-        parameters.contact_softness = softness;
-        parameters.static_contact_softness = softness;
-        parameters.normalized_prediction_distance = settings.contact.prediction;
-        // A recycled contact reports the depth of an earlier step.
-        parameters.contact_recycling = false;
-        // Clusters keep impulses away from the points that carry them.
-        parameters.contact_clustering = false;
-        // Continuous collision detection would set bodies back in time. Without it contacts are found where
-        // bodies stand at the beginning of a step: `Stride` gives a run up in which a body moves so far in
-        // one step that it could go through another.
-        parameters.max_ccd_substeps = 0;
-        Self {
-            world,
-            bodies: Vec::new(),
-            names: Vec::new(),
-            sizes: Vec::new(),
-            friction: settings.contact.friction,
-            groups: Vec::new(),
-        }
-    }
-
-    fn add_body(
-        &mut self,
-        name: &str,
-        shapes: &[PlacedShape],
-        friction: f64,
-        body: RigidBodyBuilder,
-    ) -> Result<RigidBodyHandle, SimError> {
-        let index = self.bodies.len();
-        let groups = self.groups.get(index).copied().unwrap_or(InteractionGroups::all());
-        let handle = self.world.insert_body(body);
-        let mut size = Size { reach: 0.0, thickness: f64::INFINITY };
-        for placed in shapes {
-            let (body_from_shape, shape) = rapier_shape(name, placed)?;
-            let offset = placed.body_from_shape.translation.vector.norm();
-            size.reach = size.reach.max(offset + placed.shape.extent_radius());
-            size.thickness = size.thickness.min(thickness(&placed.shape, &shape));
-            let body_from_collider = convert::to_rapier(&body_from_shape);
-            let collider = ColliderBuilder::new(shape)
-                .position(body_from_collider)
-                .mass_properties(massless(&body_from_collider))
-                .friction(friction)
-                .restitution(0.0)
-                .collision_groups(groups)
-                .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
-                .user_data(index as u128);
-            self.world.insert_collider(collider, Some(handle));
-        }
-        self.bodies.push(handle);
-        self.names.push(name.to_owned());
-        self.sizes.push(size);
-        Ok(handle)
-    }
-
-    fn add_fixed(
-        &mut self,
-        name: &str,
-        shapes: &[PlacedShape],
-        world_from_body: &Pose,
-    ) -> Result<RigidBodyHandle, SimError> {
-        let body = RigidBodyBuilder::fixed().pose(convert::to_rapier(world_from_body));
-        self.add_body(name, shapes, self.friction, body)
-    }
-
-    fn add_object(&mut self, object: &Object) -> Result<usize, SimError> {
-        let inertial = object.shape.inertial(object.mass);
-        let body = dynamic(&inertial)
-            .pose(convert::to_rapier(&object.world_from_object))
-            .gyroscopic_forces_enabled(true);
-        let shape = PlacedShape { body_from_shape: Pose::identity(), shape: object.shape.clone() };
-        self.add_body(&object.name, &[shape], object.friction, body)?;
-        Ok(self.bodies.len() - 1)
-    }
-
-    /// Adds links and fingers; returns the joint of the first link.
-    fn add_arm(
-        &mut self,
-        robot: &RobotModel,
-        base: RigidBodyHandle,
-    ) -> Result<MultibodyJointHandle, SimError> {
-        let mut parent = base;
-        let mut first = None;
-        for (joint, link) in robot.joints.iter().zip(&robot.links) {
-            let data = JointData {
-                kind: joint.kind,
-                parent_from_joint: joint.parent_from_joint,
-                axis: joint.axis,
-                position_limits: [joint.limits.position_min, joint.limits.position_max],
-            };
-            let (body, handle) = self.add_link(link, parent, &data)?;
-            parent = body;
-            first = first.or(Some(handle));
-        }
-        for finger in &robot.gripper.fingers {
-            let data = JointData {
-                kind: JointKind::Prismatic,
-                parent_from_joint: finger.link_from_finger,
-                axis: finger.axis,
-                position_limits: [0.0, robot.gripper.opening_max / 2.0],
-            };
-            let (_, handle) = self.add_link(&finger.link, parent, &data)?;
-            first = first.or(Some(handle));
-        }
-        Ok(first.expect("the fingers have joints"))
-    }
-
-    fn add_link(
-        &mut self,
-        link: &Link,
-        parent: RigidBodyHandle,
-        joint: &JointData,
-    ) -> Result<(RigidBodyHandle, MultibodyJointHandle), SimError> {
-        let body = self.add_body(&link.name, &link.shapes, self.friction, dynamic(&link.inertial))?;
-        let joint_from_axis = turn_x_onto(&joint.axis);
-        let (locked, free) = match joint.kind {
-            JointKind::Revolute => (JointAxesMask::LOCKED_REVOLUTE_AXES, free_axis(joint.kind)),
-            JointKind::Prismatic => (JointAxesMask::LOCKED_PRISMATIC_AXES, free_axis(joint.kind)),
-        };
-        let mut builder = GenericJointBuilder::new(locked)
-            .local_frame1(convert::to_rapier(&(joint.parent_from_joint * joint_from_axis)))
-            .local_frame2(convert::to_rapier(&joint_from_axis))
-            .motor_model(free, MotorModel::ForceBased);
-        if joint.position_limits.iter().all(|limit| limit.is_finite()) {
-            builder = builder.limits(free, joint.position_limits);
-        }
-        let handle = self
-            .world
-            .insert_multibody_joint(parent, body, builder.build())
-            .ok_or_else(|| SimError::Chain { link: link.name.clone() })?;
-        Ok((body, handle))
-    }
-}
-
-/// What each body of the robot touches, in the order base, links, fingers: everything but the bodies that
-/// it is allowed to pass through.
-///
-/// Two bodies touch when the filter of each holds a group of the other. A body that is named in an allowed
-/// contact has one group, its own, so that exactly the allowed pairs are dropped.
-///
-/// # Errors
-/// When there are more such bodies than groups.
-fn collision_groups(robot: &RobotModel) -> Result<Vec<InteractionGroups>, SimError> {
-    let links = std::iter::once(&robot.base).chain(&robot.links);
-    let fingers = robot.gripper.fingers.iter().map(|finger| &finger.link);
-    let names: Vec<&str> = links.chain(fingers).map(|link| link.name.as_str()).collect();
-    let pairs: Vec<[&str; 2]> =
-        robot.allowed_contacts.iter().map(|pair| [pair.a.as_str(), pair.b.as_str()]).collect();
-    let named: Vec<&str> =
-        names.iter().copied().filter(|name| pairs.iter().any(|pair| pair.contains(name))).collect();
-    if named.len() > OWN_GROUPS {
-        return Err(SimError::AllowedBodies { count: named.len(), limit: OWN_GROUPS });
-    }
-    let own = |name: &str| {
-        let index = named.iter().position(|other| *other == name)?;
-        Some(Group::from_bits_retain(1 << index))
-    };
-    let groups = names.iter().map(|name| {
-        let Some(group) = own(name) else { return InteractionGroups::all() };
-        let partners = pairs.iter().filter_map(|[a, b]| match name {
-            _ if a == name => own(b),
-            _ if b == name => own(a),
-            _ => None,
-        });
-        let filter = partners.fold(Group::ALL, Group::difference);
-        InteractionGroups::new(group, filter, InteractionTestMode::And)
-    });
-    Ok(groups.collect())
-}
-
-/// A body that moves and never sleeps: rapier would freeze slow motion.
-fn dynamic(inertial: &Inertial) -> RigidBodyBuilder {
-    RigidBodyBuilder::dynamic().can_sleep(false).additional_mass_properties(mass_properties(inertial))
-}
-
-/// The rotation that brings x onto `axis`.
-fn turn_x_onto(axis: &Unit<Vector3<f64>>) -> Pose {
-    // Undefined only for the opposite direction, where half a turn about z does it.
-    let rotation = UnitQuaternion::rotation_between(&Vector3::x(), axis)
-        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI));
-    Pose::from_parts(Translation3::identity(), rotation)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{fixtures, solid::hull_thickness};
-    use graspcheck_model::dynamics::Dynamics;
-    use nalgebra::DVector;
-    use rapier3d::geometry::SharedShape;
+    use graspcheck_model::{dynamics::Dynamics, inertia::Inertial};
+    use nalgebra::{DVector, UnitQuaternion, Vector3};
+    use rapier3d::{dynamics::RigidBodyBuilder, geometry::SharedShape};
 
     fn plant(robot: &RobotModel, gravity: Vector3<f64>, dt: f64, substeps: usize) -> Plant {
         let contact = fixtures::execution().contact;

@@ -10,7 +10,6 @@ use graspcheck_recording::{
 use crate::{
     clock::Clock,
     contacts::{Contact, Contacts},
-    controller::ComputedTorque,
     gripper::FingerCommand,
     plant::{FINGERS, Plant},
     tool,
@@ -36,8 +35,10 @@ pub(crate) struct Sample<'a> {
     pub(crate) opening: &'a MotionState,
     /// What the fingers were told.
     pub(crate) fingers: FingerCommand,
-    /// The controller after it was asked.
-    pub(crate) controller: &'a ComputedTorque,
+    /// Efforts that the controller asked for.
+    pub(crate) asked: &'a [f64],
+    /// Efforts that the drives applied.
+    pub(crate) applied: &'a [f64],
     /// Poses of all bodies before the step.
     pub(crate) world_from_body: &'a [Pose],
     /// Twist of the object before the step.
@@ -125,7 +126,7 @@ impl<'a> Recorder<'a> {
         measured.time_ns.push(time_ns);
         measured.position.extend_from_slice(sample.q);
         measured.velocity.extend_from_slice(sample.qd);
-        measured.effort.extend_from_slice(sample.controller.applied());
+        measured.effort.extend_from_slice(sample.applied);
         // Rapier does not tell the force of a motor. A finger at rest is held by the opposite of what its
         // pad feels.
         measured.effort.extend(pad_forces.map(|force| -force));
@@ -138,7 +139,7 @@ impl<'a> Recorder<'a> {
         reference.position.extend([finger; FINGERS]);
         reference.velocity.extend_from_slice(&sample.reference.qd);
         reference.velocity.extend([finger_velocity; FINGERS]);
-        reference.effort.extend_from_slice(sample.controller.commanded());
+        reference.effort.extend_from_slice(sample.asked);
         reference.effort.extend([finger_effort; FINGERS]);
 
         let tool = self.push_tool(time_ns, &sample.q[..dof], &sample.qd[..dof], Which::Measured);
@@ -169,8 +170,8 @@ impl<'a> Recorder<'a> {
             velocity_ratio: self.ratio(&sample.reference.qd, |limits| limits.velocity),
             acceleration_ratio: self.ratio(&sample.reference.qdd, |limits| limits.acceleration),
             jerk_ratio: self.ratio(&sample.reference.qddd, |limits| limits.jerk),
-            torque_ratio: sample.controller.effort_ratio(),
-            saturated_joints: sample.controller.saturated(),
+            torque_ratio: self.ratio(sample.asked, |limits| limits.effort),
+            saturated_joints: self.saturated(sample.asked),
             grip_force_n: f64::min(pad_forces[0], pad_forces[1]),
             opening_m: sample.q[dof..].iter().sum(),
             clearance_margin_m,
@@ -227,6 +228,12 @@ impl<'a> Recorder<'a> {
     /// The normal force between each finger and the object, N.
     fn pad_forces(&self, contacts: &Contacts) -> [f64; FINGERS] {
         self.fingers.map(|finger| self.object.map_or(0.0, |object| contacts.force_between(finger, object)))
+    }
+
+    /// How many joints were asked for more than their limit.
+    fn saturated(&self, asked: &[f64]) -> u32 {
+        let joints = asked.iter().zip(&self.robot.joints);
+        joints.map(|(effort, joint)| u32::from(effort.abs() > joint.limits.effort)).sum()
     }
 
     /// The largest |value| / limit over the joints of the arm.

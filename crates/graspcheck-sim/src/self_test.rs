@@ -10,6 +10,7 @@ use graspcheck_model::{cell::Cell, dynamics::Dynamics, execution::ContactModel, 
 use crate::{
     error::SimError,
     plant::{FINGERS, Plant, PlantSettings},
+    random::{Random, Stream},
 };
 
 /// How far mass matrix and bias forces may differ, as a share of the largest entry. Both sides are sums of
@@ -40,7 +41,7 @@ pub(crate) fn run(
     let settings = PlantSettings { dt: STEP, substeps: 1, contact };
     let mut plant = Plant::new(robot, &empty, None, &settings)?;
     let mut dynamics = Dynamics::new(robot, cell.gravity);
-    let mut random = SplitMix(seed);
+    let mut random = Random::new(seed, Stream::SelfTest);
     for _ in 0..STATES {
         let state = State::draw(robot, &mut random);
         compare(robot, &mut plant, &mut dynamics, &state)?;
@@ -56,7 +57,7 @@ struct State {
 }
 
 impl State {
-    fn draw(robot: &RobotModel, random: &mut SplitMix) -> Self {
+    fn draw(robot: &RobotModel, random: &mut Random) -> Self {
         let mut q = Vec::new();
         let mut qd = Vec::new();
         for joint in &robot.joints {
@@ -131,22 +132,6 @@ fn within(left: f64, right: f64, tolerance: f64) -> bool {
     (left - right).abs() <= tolerance
 }
 
-/// Uniform numbers from a seed (Steele, Lea, Flood, *Fast splittable pseudorandom number generators*,
-/// 2014).
-struct SplitMix(u64);
-
-impl SplitMix {
-    /// The next number in [0, 1).
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        bits ^= bits >> 31;
-        (bits >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -162,7 +147,7 @@ mod tests {
         let settings = PlantSettings { dt: STEP, substeps: 1, contact: &contact };
         let mut plant = Plant::new(built, &fixtures::empty_cell(SLANTED), None, &settings)?;
         let mut dynamics = Dynamics::new(modelled, SLANTED);
-        let mut random = SplitMix(7);
+        let mut random = Random::new(7, Stream::SelfTest);
         for _ in 0..STATES {
             compare(modelled, &mut plant, &mut dynamics, &State::draw(modelled, &mut random))?;
         }

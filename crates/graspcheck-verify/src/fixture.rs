@@ -222,6 +222,8 @@ fn execution() -> Execution {
         controller: Controller::ComputedTorque { bandwidth: 60.0, damping_ratio: 1.0 },
         contact: ContactModel { frequency: 300.0, damping_ratio: 5.0, prediction: 0.002, friction: 0.8 },
         seed: 0,
+        control_period: None,
+        imperfections: Default::default(),
     }
 }
 
@@ -288,7 +290,13 @@ pub(crate) fn pick() -> Run {
         cell,
         object: Some(cube()),
         task,
-        pace: Pace { share: 0.9, law: Default::default(), sync: Default::default(), phases: Vec::new() },
+        pace: Pace {
+            share: 0.9,
+            law: Default::default(),
+            sync: Default::default(),
+            phases: Vec::new(),
+            set_points: None,
+        },
         execution: Some(execution()),
         checks: CheckLimits {
             tracking: Some(1e-3),

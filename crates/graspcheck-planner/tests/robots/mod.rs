@@ -177,7 +177,7 @@ pub fn cell(required: f64, boxes: &[(&str, [f64; 3], [f64; 3])]) -> Cell {
 
 /// Share of the limits for all phases.
 pub fn pace(share: f64) -> Pace {
-    Pace { share, law: Default::default(), sync: Default::default(), phases: vec![] }
+    Pace { share, law: Default::default(), sync: Default::default(), phases: vec![], set_points: None }
 }
 
 /// A cube of 30 mm with handles from above across both of its sides.

@@ -15,6 +15,7 @@ mod limits;
 mod opening;
 mod place;
 mod slip;
+mod stability;
 mod task;
 mod torque;
 mod utilisation;
@@ -55,6 +56,7 @@ pub const CHECKS: &[Check] = &[
     Check { name: "executed.velocity", basis: Basis::Measured, find: executed::velocity },
     Check { name: "executed.torque", basis: Basis::Measured, find: executed::torque },
     Check { name: "executed.saturation", basis: Basis::Measured, find: executed::saturation },
+    Check { name: "executed.stability", basis: Basis::Measured, find: stability::stability },
     Check { name: "executed.tracking", basis: Basis::Measured, find: executed::tracking },
     Check { name: "executed.contacts", basis: Basis::Measured, find: contacts::contacts },
     Check { name: "executed.opening", basis: Basis::Measured, find: opening::opening },
