@@ -5,3 +5,4 @@ mod trial;
 
 mod campaign;
 mod distance;
+mod metamorphic;

@@ -15,4 +15,5 @@ pub mod distance;
 pub mod judge;
 pub mod motion;
 pub mod random;
+pub mod relations;
 pub mod solid;
