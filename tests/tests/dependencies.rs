@@ -78,6 +78,7 @@ const ALLOWED: &[Allowed] = &[
             "getrandom",
             "indicatif",
             "libtest-mimic",
+            "maud",
             "nalgebra",
             "rustix",
             "serde",

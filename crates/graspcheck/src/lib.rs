@@ -15,6 +15,7 @@
 pub mod candidates;
 pub mod exit;
 pub mod harness;
+pub mod html;
 mod markers;
 pub mod nearby;
 pub mod report;

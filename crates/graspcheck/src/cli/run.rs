@@ -11,7 +11,7 @@ use std::{
 
 use anstream::{eprint, eprintln, print, println};
 use graspcheck::{
-    Observer, Run, Scenario, Silent, exit, load,
+    Observer, Run, Scenario, Silent, exit, html, load,
     report::{self, DIM, FAILED, NAME, PASSED, UNDECIDED},
     run_scenario, store,
     store::Stored,
@@ -119,6 +119,9 @@ fn one_scenario(selected: &Selected, arguments: &RunArguments) -> u8 {
     } else if arguments.quiet < 2 {
         print!("{}", report::page(&run, &scenario.resolved, arguments.verbose));
         eprintln!("  log    {}", stored.log.display());
+        if let Some(page) = &stored.report {
+            eprintln!("  report {}", page.display());
+        }
         if let Some(rerun) = &stored.rerun {
             eprintln!("  rerun  {}", rerun.display());
         }
@@ -205,9 +208,34 @@ fn summary(selected: &[Selected], ended: &[Ended], arguments: &RunArguments) -> 
     let counts = Counts::of(ended);
     if arguments.quiet < 2 {
         println!("\nSummary  {}", counts.sentence(arguments.no_simulate));
-        eprintln!("{DIM}  results  {}{DIM:#}", arguments.out.display());
     }
-    counts.code()
+    let entries: Vec<html::Entry> =
+        selected.iter().zip(ended).map(|(scenario, ended)| entry(scenario, ended, arguments)).collect();
+    match store::store_index(&entries, &arguments.out) {
+        Ok(index) => {
+            if arguments.quiet < 2 {
+                eprintln!("{DIM}  results  {}{DIM:#}", index.display());
+            }
+            counts.code()
+        }
+        Err(error) => {
+            eprintln!("{FAILED}error{FAILED:#}: {error}");
+            exit::BUG
+        }
+    }
+}
+
+/// What the index says about one scenario.
+fn entry(scenario: &Selected, ended: &Ended, arguments: &RunArguments) -> html::Entry {
+    let result = match ended {
+        Ok((_, run, stored)) => {
+            let page = stored.report.as_deref().unwrap_or(&stored.log);
+            let beside = page.strip_prefix(&arguments.out).unwrap_or(page);
+            Ok((run.verdict.clone(), beside.display().to_string()))
+        }
+        Err((code, _)) => Err(exit::meaning(*code).to_owned()),
+    };
+    html::Entry { name: scenario.name.clone(), result }
 }
 
 /// How a suite came out.
