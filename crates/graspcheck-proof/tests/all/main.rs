@@ -6,3 +6,4 @@ mod trial;
 mod campaign;
 mod distance;
 mod metamorphic;
+mod thin_and_grazing;
