@@ -28,7 +28,8 @@
 //! | `executed.place`, `.place_angle`, `.rest` | the object ends where it belongs, at rest |
 //! | `executed.utilisation` | the execution uses the share of torque that the scenario claims |
 //!
-//! Reading order: [`resolved`], [`evidence`], [`checks`], [`judge()`], [`verdict`], [`note`].
+//! Reading order: [`resolved`], [`evidence`], [`checks`], [`judge()`], [`verdict`], [`note`]. Numbers that judge nothing:
+//! [`metrics`].
 
 pub mod checks;
 pub mod evidence;
@@ -36,6 +37,7 @@ mod finding;
 #[cfg(test)]
 mod fixture;
 mod judge;
+pub mod metrics;
 pub mod note;
 pub mod resolved;
 mod stream;

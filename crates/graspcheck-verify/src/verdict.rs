@@ -70,6 +70,8 @@ pub enum Unit {
     Newton,
     /// N·m.
     NewtonMeter,
+    /// J.
+    Joule,
 }
 
 impl Unit {
@@ -107,6 +109,7 @@ impl Unit {
             Self::RadianPerSecond3 => "rad/s³",
             Self::Newton => "N",
             Self::NewtonMeter => "N·m",
+            Self::Joule => "J",
         }
     }
 

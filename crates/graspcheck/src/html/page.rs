@@ -2,7 +2,7 @@
 
 use graspcheck_model::plan::Plan;
 use graspcheck_recording::Recording;
-use graspcheck_verify::{CheckResult, Evidence, Outcome, Verdict};
+use graspcheck_verify::{CheckResult, Evidence, Outcome, Verdict, metrics::metrics};
 use maud::{Markup, html};
 
 use super::{
@@ -53,6 +53,8 @@ pub fn page(evidence: &Evidence, verdict: &Verdict, log: &str) -> String {
             (strips(&plots))
             h2 { "Joints" }
             (joints(&plots))
+            h2 { "Metrics" }
+            (measured(evidence))
             h2 { "More" }
             (more(evidence))
         }
@@ -204,6 +206,33 @@ fn joints(plots: &Plots) -> Markup {
                 div { div.head { (plot.title) } (plot.svg()) }
             } }
         } }
+    }
+}
+
+/// Numbers that judge nothing: a row for each, a column for each joint.
+fn measured(evidence: &Evidence) -> Markup {
+    let found = metrics(evidence);
+    let joints: Vec<&str> = evidence.joints().iter().map(|joint| joint.name.as_str()).collect();
+    let mut names: Vec<&str> = found.all.iter().map(|metric| metric.name).collect();
+    names.dedup();
+    let cell = |name: &str, subject: Option<&str>| {
+        let metric = found.all.iter().find(|it| it.name == name && it.subject.as_deref() == subject);
+        metric.map(|it| report::quantity(it.value, it.unit, report::Rounding::Nearest)).unwrap_or_default()
+    };
+    html! {
+        div.wide { table {
+            thead { tr {
+                th scope="col" { "metric" }
+                th scope="col" { "run or tool" }
+                @for joint in &joints { th scope="col" { (joint) } }
+            } }
+            tbody { @for name in &names { tr {
+                th scope="row" { (motion(name)) " " (word(name)) }
+                td { (cell(name, None)) }
+                @for joint in &joints { td { (cell(name, Some(joint))) } }
+            } } }
+        } }
+        @if let Some(reason) = &found.unmeasured { p.second { "Of the execution: " (report::note(reason)) "." } }
     }
 }
 

@@ -15,7 +15,7 @@ mod verdict;
 
 pub use fault::faults;
 pub use quantity::{Rounding, against, instant, margin, quantity};
-pub use sentence::{is_lower_limit, motion, sentence, subject, word};
+pub use sentence::{is_lower_limit, motion, note, sentence, subject, word};
 pub use table::{DIM, FAILED, NAME, PASSED, UNDECIDED, Words, checks, strip, words};
 pub use unreachable::{exit_code, no_run};
 pub use verdict::{failure, last_line, page, plain};

@@ -40,6 +40,7 @@ fn display(unit: Unit, magnitude: f64) -> (&'static str, f64, usize) {
         Unit::RadianPerSecond3 => ("°/s³", DEG, 0),
         Unit::Newton => ("N", 1.0, three_digits),
         Unit::NewtonMeter => ("N·m", 1.0, three_digits),
+        Unit::Joule => ("J", 1.0, three_digits),
     }
 }
 

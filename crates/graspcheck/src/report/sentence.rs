@@ -101,7 +101,7 @@ pub fn sentence(result: &CheckResult) -> String {
 
 /// A note with its quantities in the units for people.
 #[must_use]
-pub(super) fn note(note: &Note) -> String {
+pub fn note(note: &Note) -> String {
     let part = |part: &NotePart| match part {
         NotePart::Words(words) => words.clone(),
         NotePart::Quantity { value, unit } => quantity(*value, *unit, Rounding::Nearest),
