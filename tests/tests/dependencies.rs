@@ -32,7 +32,7 @@ const ALLOWED: &[Allowed] = &[
     (
         "graspcheck-sim",
         &["graspcheck-motion", "graspcheck-model", "graspcheck-proof", "graspcheck-recording"],
-        &["glamx", "nalgebra", "rand_chacha", "rapier3d", "thiserror"],
+        &["differential-equations", "glamx", "nalgebra", "rand_chacha", "rapier3d", "thiserror"],
     ),
     (
         "graspcheck-verify",
@@ -68,6 +68,7 @@ const ALLOWED: &[Allowed] = &[
             "graspcheck-verify",
             "graspcheck-scenario",
             "graspcheck-rerun",
+            "graspcheck-checker",
         ],
         &[
             "annotate-snippets",

@@ -32,6 +32,8 @@ mod convert;
 mod drives;
 mod encoders;
 pub mod error;
+mod exact;
+pub mod fidelity;
 #[cfg(test)]
 mod fixtures;
 mod gripper;
@@ -41,6 +43,7 @@ mod plant;
 mod random;
 mod reality;
 mod recorder;
+pub mod reintegration;
 mod run;
 mod self_test;
 mod solid;

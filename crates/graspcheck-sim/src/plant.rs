@@ -390,7 +390,7 @@ pub(crate) fn free_axis(kind: JointKind) -> JointAxis {
 mod tests {
     use super::*;
     use crate::{fixtures, solid::hull_thickness};
-    use graspcheck_model::{dynamics::Dynamics, inertia::Inertial};
+    use graspcheck_model::dynamics::Dynamics;
     use nalgebra::{DVector, UnitQuaternion, Vector3};
     use rapier3d::{dynamics::RigidBodyBuilder, geometry::SharedShape};
 
@@ -502,100 +502,5 @@ mod tests {
             let felt = inertial[joint] + bias[joint] + robot.joints[joint].damping * qd[joint];
             assert!((felt - effort[joint]).abs() < 1e-5, "joint {joint}: {felt} is not {}", effort[joint]);
         }
-    }
-
-    /// A single link that swings in gravity along -y.
-    fn pendulum() -> RobotModel {
-        let mut robot = fixtures::rrr();
-        robot.joints.truncate(1);
-        robot.links.truncate(1);
-        robot
-    }
-
-    #[test]
-    fn a_pendulum_swings_with_its_closed_form_period() {
-        let robot = pendulum();
-        let amplitude: f64 = 1.2;
-        let hanging = -std::f64::consts::FRAC_PI_2;
-        let fingers = [0, 1].map(|finger| {
-            robot.gripper.fingers[finger]
-                .link
-                .inertial
-                .transformed(&robot.gripper.link_from_finger_at(finger, 0.0))
-        });
-        let [left, right] = fingers;
-        let whole = Inertial::combine(&[robot.links[0].inertial.clone(), left, right]);
-        let inertia = whole.tensor_about(&nalgebra::Point3::origin())[(2, 2)];
-        let small_swing = std::f64::consts::TAU * (inertia / (whole.mass * 9.81 * whole.center.x)).sqrt();
-        // Exact period: small swing / AGM(1, cos(amplitude / 2)).
-        let (mut a, mut b) = (1.0, (amplitude / 2.0).cos());
-        for _ in 0..8 {
-            (a, b) = ((a + b) / 2.0, f64::sqrt(a * b));
-        }
-        let exact = small_swing / a;
-
-        let dt = 1e-3;
-        let mut plant = plant(&robot, Vector3::new(0.0, -9.81, 0.0), dt, 4);
-        plant.set_state(&[hanging + amplitude, 0.0, 0.0], &[0.0; 3]);
-        let (mut q, mut qd) = ([0.0; 3], [0.0; 3]);
-        let mut last = amplitude;
-        let mut crossings = Vec::new();
-        for step in 1..12_000 {
-            plant.step(&());
-            plant.read_state(&mut q, &mut qd);
-            let angle = q[0] - hanging;
-            if last < 0.0 && angle >= 0.0 {
-                crossings.push(dt * (step as f64 - angle / (angle - last)));
-            }
-            last = angle;
-        }
-        let period = crossings[1] - crossings[0];
-        assert!((period / exact - 1.0).abs() < 1e-4, "period {period} s is not {exact} s");
-    }
-
-    /// Share of the peak kinetic energy that a three-link arm has lost after ten seconds of free swing.
-    fn energy_loss(substeps: usize) -> f64 {
-        let robot = fixtures::rrr();
-        let gravity = Vector3::new(0.0, -9.81, 0.0);
-        let mut plant = plant(&robot, gravity, 1e-3, substeps);
-        let mut poses = vec![Pose::identity(); plant.names().len()];
-        let inertials: Vec<Inertial> = robot
-            .links
-            .iter()
-            .map(|link| link.inertial.clone())
-            .chain(robot.gripper.fingers.iter().map(|finger| finger.link.inertial.clone()))
-            .collect();
-        let start = -std::f64::consts::FRAC_PI_2 + 30_f64.to_radians();
-        plant.set_state(&[start, 0.0, 0.0, 0.0, 0.0], &[0.0; 5]);
-        let mut peak: f64 = 0.0;
-        let mut energies = Vec::new();
-        let (mut q, mut qd) = ([0.0; 5], [0.0; 5]);
-        for step in 0..=10_000 {
-            if step % 50 == 0 {
-                plant.read_state(&mut q, &mut qd);
-                plant.read_poses(&mut poses);
-                let rates = DVector::from_column_slice(&qd);
-                let kinetic = 0.5 * rates.dot(&(plant.mass_matrix() * &rates));
-                let potential: f64 = inertials
-                    .iter()
-                    .zip(&poses[1..])
-                    .map(|(inertial, pose)| -inertial.mass * gravity.dot(&(pose * inertial.center).coords))
-                    .sum();
-                peak = peak.max(kinetic);
-                energies.push(kinetic + potential);
-            }
-            plant.step(&());
-        }
-        (energies[0] - energies[energies.len() - 1]) / peak
-    }
-
-    #[test]
-    fn a_free_swing_loses_energy_only_by_the_first_order_of_the_step() {
-        // Measured for such an arm elsewhere: 0.102 % with one substep, 0.026 % with four. Rapier's hidden
-        // damping would take 10 %.
-        let (one, four) = (energy_loss(1), energy_loss(4));
-        assert!((0.0008..0.0013).contains(&one), "{one}");
-        assert!((0.0002..0.00035).contains(&four), "{four}");
-        assert!((one / four - 4.0).abs() < 0.3, "{one} / {four}");
     }
 }

@@ -19,6 +19,7 @@ use crate::{
     plant::{Plant, PlantSettings},
     reality,
     recorder::{Recorder, Sample},
+    reintegration::reintegrate,
     self_test,
     stride::Stride,
     validate::validate,
@@ -29,8 +30,9 @@ const PROGRESS_STRIDE: usize = 100;
 
 /// Executes `plan` in a rapier world and returns the recording of every step.
 ///
-/// Fills joint, tool and object series, contacts, monitor, frames, and one event for the beginning of each
-/// phase; metadata, attachments and markers are the caller's. The simulation goes on at rest for
+/// Fills joint, tool and object series, contacts, monitor, frames, one event for the beginning of each
+/// phase, and in the metadata how far the run is from the exact equations of motion
+/// ([`reintegration`](crate::reintegration)); attachments, markers and all other metadata are the caller's. The simulation goes on at rest for
 /// `execution.settle` seconds after the plan's end; the last row is at or after that instant.
 /// `progress(done, total)` is called with counts of steps, last with `done == total`.
 ///
@@ -139,7 +141,12 @@ pub fn simulate(
             progress(step, steps);
         }
     }
-    Ok(recorder.finish())
+    let mut recording = recorder.finish();
+    let robots = [robot, &real_robot];
+    if let Some(found) = reintegrate(&recording, robots, cell, plan, execution, timing) {
+        found.enter(robot, &mut recording);
+    }
+    Ok(recording)
 }
 
 /// Whether a push acts in the step that begins at `time`, s.
@@ -159,5 +166,7 @@ fn held_object(robot: &RobotModel, object: Option<&Object>, plan: &Plan) -> Opti
     Some(plan.grasp.as_ref()?.load(robot, object?))
 }
 
+#[cfg(test)]
+mod control_tests;
 #[cfg(test)]
 mod tests;
