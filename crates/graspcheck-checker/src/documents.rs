@@ -1,10 +1,10 @@
-//! The three documents of a recording, as far as the proof of clearance rests on them.
+//! The documents of a recording, as far as the proofs rest on them.
 
 use graspcheck_recording::Recording;
 use serde::{Deserialize, de::DeserializeOwned};
 
 use crate::{
-    CheckerError, LARGEST,
+    CheckerError, LARGEST, LimitQuantity,
     polynomial::{Coefficients, magnitude},
     solid::Solid,
     vector::{Direction, Pose, Vector},
@@ -13,9 +13,11 @@ use crate::{
 const RESOLVED: &str = "resolved.json";
 const PLAN: &str = "plan.json";
 const CERTIFICATE: &str = "certificate.json";
+const LIMITS: &str = "limits.json";
 
-/// The form of all three documents that is known.
-const SCHEMA: u32 = 1;
+/// The newest form of a certificate that is known. From the second on it may have sweeps, and the proofs of
+/// limits stand beside it.
+const CERTIFICATE_SCHEMA: u32 = 2;
 
 /// Times that should be one differ by no more than this, s, for each second of the plan and one more.
 const SAME_TIME: f64 = 1e-9;
@@ -23,16 +25,19 @@ const SAME_TIME: f64 = 1e-9;
 /// Names in a clearance rule that stand for several bodies.
 pub(crate) const GROUPS: [&str; 2] = ["robot", "gripper"];
 
-pub(crate) struct Documents {
+/// The documents of a recording, decoded.
+pub struct Documents {
     pub(crate) resolved: Resolved,
     pub(crate) plan: Plan,
     pub(crate) certificate: Certificate,
+    /// None in logs that are older than these proofs.
+    pub(crate) limits: Option<Limits>,
 }
 
 #[derive(Deserialize)]
 pub(crate) struct Resolved {
     #[serde(rename = "schema")]
-    _known: Known,
+    _known: Known<1>,
     pub(crate) robot: Robot,
     pub(crate) cell: Cell,
     pub(crate) object: Option<Object>,
@@ -63,9 +68,22 @@ pub(crate) struct PlacedShape {
 
 #[derive(Deserialize)]
 pub(crate) struct Joint {
+    pub(crate) name: String,
     pub(crate) kind: JointKind,
+    pub(crate) limits: JointLimits,
     pub(crate) parent_from_joint: Pose,
     pub(crate) axis: Direction,
+}
+
+/// SI units and radians.
+#[derive(Deserialize)]
+pub(crate) struct JointLimits {
+    pub(crate) position_min: f64,
+    pub(crate) position_max: f64,
+    pub(crate) velocity: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) jerk: f64,
+    pub(crate) effort: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -131,7 +149,7 @@ pub(crate) struct Object {
 #[derive(Deserialize)]
 pub(crate) struct Plan {
     #[serde(rename = "schema")]
-    _known: Known,
+    _known: Known<1>,
     pub(crate) trajectory: Trajectory,
     pub(crate) opening: Trajectory,
     pub(crate) phases: Vec<Phase>,
@@ -173,10 +191,24 @@ pub(crate) struct Grasp {
 
 #[derive(Deserialize)]
 pub(crate) struct Certificate {
-    #[serde(rename = "schema")]
-    _known: Known,
+    schema: Known<CERTIFICATE_SCHEMA>,
     pub(crate) duration: f64,
+    /// How many pairs there are, with those that sweeps prove alone.
+    pub(crate) pair_count: Option<usize>,
     pub(crate) pairs: Vec<PairProof>,
+    #[serde(default)]
+    pub(crate) sweeps: Vec<Sweep>,
+}
+
+/// A box that holds all of a solid for a while.
+#[derive(Deserialize)]
+pub(crate) struct Sweep {
+    pub(crate) start: f64,
+    pub(crate) end: f64,
+    pub(crate) body: String,
+    pub(crate) part: usize,
+    pub(crate) min: Vector,
+    pub(crate) max: Vector,
 }
 
 #[derive(Deserialize)]
@@ -217,12 +249,61 @@ pub(crate) struct Leaf {
     pub(crate) required: f64,
 }
 
+/// The proofs of the joints' limits.
+#[derive(Deserialize)]
+pub(crate) struct Limits {
+    #[serde(rename = "schema")]
+    _known: Known<1>,
+    pub(crate) duration: f64,
+    pub(crate) limits: Vec<LimitProof>,
+    pub(crate) breaks: Vec<BreakClaim>,
+    /// Why nothing is claimed of efforts.
+    pub(crate) effort_unproved: Option<String>,
+}
+
+/// What is claimed of one quantity of one joint.
+#[derive(Deserialize)]
+pub(crate) struct LimitProof {
+    pub(crate) joint: String,
+    pub(crate) quantity: LimitQuantity,
+    pub(crate) limit: f64,
+    /// It is never beyond this.
+    pub(crate) bound: f64,
+    /// It is this …
+    pub(crate) peak: f64,
+    /// … then, s.
+    pub(crate) time: f64,
+}
+
+/// A jump of a derivative of one joint.
+#[derive(Deserialize)]
+pub(crate) struct BreakClaim {
+    pub(crate) joint: String,
+    /// 0 position, 1 velocity, 2 acceleration.
+    pub(crate) order: usize,
+    pub(crate) time: f64,
+    /// After less before.
+    pub(crate) size: f64,
+}
+
 impl Documents {
-    pub(crate) fn read(recording: &Recording) -> Result<Self, CheckerError> {
+    /// Decodes the documents of a recording and sees to it that they fit each other.
+    ///
+    /// # Errors
+    /// When one is missing, cannot be decoded, has another form than this version knows, or contradicts
+    /// itself or the others.
+    pub fn read(recording: &Recording) -> Result<Self, CheckerError> {
+        let certificate: Certificate = document(recording, CERTIFICATE, CERTIFICATE_SCHEMA)?;
+        let is_older = certificate.schema.0 < CERTIFICATE_SCHEMA;
+        let limits = match document(recording, LIMITS, 1) {
+            Err(CheckerError::Missing { .. }) if is_older => None,
+            limits => Some(limits?),
+        };
         let documents = Self {
-            resolved: document(recording, RESOLVED)?,
-            plan: document(recording, PLAN)?,
-            certificate: document(recording, CERTIFICATE)?,
+            resolved: document(recording, RESOLVED, 1)?,
+            plan: document(recording, PLAN, 1)?,
+            certificate,
+            limits,
         };
         let Self { resolved, plan, .. } = &documents;
         resolved.check().map_err(|what| CheckerError::Unsound { name: RESOLVED, what })?;
@@ -233,29 +314,37 @@ impl Documents {
     }
 }
 
-/// The schema of a document, when it is [`SCHEMA`].
-#[derive(Deserialize)]
+/// The schema of a document, from 1 to the newest that is known.
+#[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "u32")]
-struct Known;
+struct Known<const NEWEST: u32>(u32);
 
-impl TryFrom<u32> for Known {
+impl<const NEWEST: u32> TryFrom<u32> for Known<NEWEST> {
     type Error = String;
 
     fn try_from(schema: u32) -> Result<Self, String> {
-        if schema == SCHEMA { Ok(Self) } else { Err(format!("schema {schema} is unknown")) }
+        if (1..=NEWEST).contains(&schema) {
+            Ok(Self(schema))
+        } else {
+            Err(format!("schema {schema} is unknown"))
+        }
     }
 }
 
-/// A document of the known form. One of another form need not decode: then its number is the reason.
-fn document<T: DeserializeOwned>(recording: &Recording, name: &'static str) -> Result<T, CheckerError> {
+/// A document of a known form. One of another form need not decode: then its number is the reason.
+fn document<T: DeserializeOwned>(
+    recording: &Recording,
+    name: &'static str,
+    known: u32,
+) -> Result<T, CheckerError> {
     #[derive(Deserialize)]
     struct Head {
         schema: u32,
     }
     let data = &recording.attachment(name).ok_or(CheckerError::Missing { name })?.data;
     serde_json::from_slice(data).map_err(|source| match serde_json::from_slice(data) {
-        Ok(Head { schema }) if schema != SCHEMA => {
-            CheckerError::UnknownSchema { name, found: schema, known: SCHEMA }
+        Ok(Head { schema }) if !(1..=known).contains(&schema) => {
+            CheckerError::UnknownSchema { name, found: schema, known }
         }
         _ => CheckerError::Undecodable { name, source },
     })
@@ -279,6 +368,11 @@ impl Resolved {
             return Err(format!(
                 "{joints} joints and {links} moving links must be as many, and at least one"
             ));
+        }
+        let mut joints: Vec<&str> = self.robot.joints.iter().map(|joint| joint.name.as_str()).collect();
+        joints.sort_unstable();
+        if let Some(twice) = joints.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(format!("two joints are named {}", twice[0]));
         }
         let mut names: Vec<&str> = self.names().collect();
         names.sort_unstable();
@@ -314,8 +408,17 @@ impl Plan {
     }
 
     /// The index of the phase at a time inside of the plan.
-    pub(crate) fn phase_at(&self, time: f64) -> usize {
+    fn phase_at(&self, time: f64) -> usize {
         self.phases.partition_point(|phase| phase.end <= time).min(self.phases.len() - 1)
+    }
+
+    /// The phase in the middle of an interval, and from when to when it lasts, s: from the end of the one
+    /// before, and the last to the end of the plan.
+    pub(crate) fn phase(&self, [start, end]: [f64; 2]) -> (usize, [f64; 2]) {
+        let phase = self.phase_at(0.5 * (start + end));
+        let from = if phase == 0 { 0.0 } else { self.phases[phase - 1].end };
+        let until = if phase + 1 == self.phases.len() { self.duration() } else { self.phases[phase].end };
+        (phase, [from, until])
     }
 
     fn check(&self, joints: usize, has_object: bool) -> Result<(), String> {

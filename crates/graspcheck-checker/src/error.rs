@@ -20,14 +20,14 @@ pub enum CheckerError {
     },
     /// A document has a form that this checker does not know.
     #[error(
-        "{name}: schema {found} is unknown, this checker reads schema {known}; use that of the run's version"
+        "{name}: schema {found} is unknown, this checker reads 1 to {known}; use that of the run's version"
     )]
     UnknownSchema {
         /// Its name.
         name: &'static str,
         /// Its schema number.
         found: u32,
-        /// The one that is known.
+        /// The newest that is known.
         known: u32,
     },
     /// A document contradicts itself or the others, so that nothing is said that could be checked.

@@ -30,7 +30,10 @@ pub(crate) fn link(name: &str, shapes: &[(Value, Value)]) -> Value {
 }
 
 pub(crate) fn joint(kind: &str, parent_from_joint: Value, axis: [f64; 3]) -> Value {
-    json!({"kind": kind, "parent_from_joint": parent_from_joint, "axis": axis})
+    let limits = json!({
+        "position_min": -1.0, "position_max": 1.0, "velocity": 2.0, "acceleration": 10.0, "jerk": 100.0, "effort": 50.0,
+    });
+    json!({"kind": kind, "parent_from_joint": parent_from_joint, "axis": axis, "limits": limits})
 }
 
 /// A robot whose fingers are small boxes that open along y, 50 mm below the last link.
@@ -39,10 +42,14 @@ pub(crate) fn robot(joints: Vec<Value>, links: Vec<Value>) -> Value {
         let shape = (at(0.0, 0.005 * sign, 0.0), boxed(0.005, 0.005, 0.02));
         json!({"link": link(name, &[shape]), "link_from_finger": at(0.0, 0.0, -0.05), "axis": [0.0, sign, 0.0]})
     };
+    let named = |(i, mut joint): (usize, Value)| {
+        joint["name"] = json!(format!("joint {i}"));
+        joint
+    };
     json!({
         "world_from_base": at(0.0, 0.0, 0.0),
         "base": link("base", &[(at(-1.0, 0.0, 0.0), boxed(0.1, 0.1, 0.1))]),
-        "joints": joints,
+        "joints": joints.into_iter().enumerate().map(named).collect::<Vec<_>>(),
         "links": links,
         "link_from_tool": at(0.0, 0.0, -0.05),
         "gripper": {"fingers": [finger("left", 1.0), finger("right", -1.0)]},

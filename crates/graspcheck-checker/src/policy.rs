@@ -111,6 +111,13 @@ impl Stage {
         stage
     }
 
+    /// More than any two solids must ever keep apart, m.
+    pub(crate) fn most_required(documents: &Documents) -> f64 {
+        let clearance = &documents.resolved.cell.clearance;
+        let rules = clearance.pairs.iter().map(|rule| rule.required);
+        rules.chain([clearance.required, NEAR_CONTACT]).fold(STAND_REACH, f64::max)
+    }
+
     /// What carries a body in this phase, and how.
     pub(crate) fn mount(&self, scene: &Scene, body: usize) -> Mount {
         let body = &scene.bodies[body];
@@ -175,6 +182,20 @@ fn supports(scene: &Scene, documents: &Documents, world_from_object: Pose) -> Ve
 }
 
 #[cfg(test)]
+impl Stage {
+    pub(crate) fn without_object() -> Self {
+        Self {
+            object: None,
+            least_opening: 0.0,
+            is_held: false,
+            is_gripped: false,
+            gripper_is_near: false,
+            supports: Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use serde_json::{Value, json};
 
@@ -184,8 +205,8 @@ mod tests {
     /// What the cube must keep in each phase from a body, m.
     fn required_of(resolved: &Value, holdings: &[&str], body: &str) -> Vec<f64> {
         let certificate = read(json!({"schema": 1, "duration": 0.0, "pairs": []}));
-        let documents =
-            Documents { resolved: read(resolved.clone()), plan: read(plan(holdings)), certificate };
+        let (resolved, plan) = (read(resolved.clone()), read(plan(holdings)));
+        let documents = Documents { resolved, plan, certificate, limits: None };
         let scene = Scene::new(&documents.resolved);
         let is_it =
             |pair: &&BodyPair| scene.bodies[pair.a].name == "cube" && scene.bodies[pair.b].name == body;

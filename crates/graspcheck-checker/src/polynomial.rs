@@ -31,6 +31,11 @@ pub(crate) fn value(coefficients: &Coefficients, tau: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * tau + c)
 }
 
+/// The coefficients of the derivative.
+pub(crate) fn derivative(coefficients: &Coefficients) -> Coefficients {
+    std::array::from_fn(|k| coefficients.get(k + 1).map_or(0.0, |next| (k + 1) as f64 * next))
+}
+
 /// The sum of the magnitudes of all terms on `[0, length]`: what rounding errors are relative to.
 pub(crate) fn magnitude(coefficients: &Coefficients, length: f64) -> f64 {
     value(&coefficients.map(f64::abs), length)
@@ -111,6 +116,12 @@ mod tests {
         assert_range([1.0, 0.0, 0.0, 10.0, -15.0, 6.0, 0.0, 0.0], [0.0, 1.0], [1.0, 2.0]);
         assert_range([0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.2, 0.9], [0.3, 0.3]);
         assert_range(hill, [0.5, 0.5], [0.25, 0.25]);
+    }
+
+    #[test]
+    fn derivatives_are_those_of_powers() {
+        let all = derivative(&[5.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0]);
+        assert_eq!(all, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 14.0, 0.0]);
     }
 
     #[test]

@@ -2,23 +2,34 @@
 
 use std::fmt;
 
-/// What came out of checking the certificate of a recording.
+use serde::Deserialize;
+
+/// What came out of checking the proofs of a recording.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// How many pairs of solids must be proved, by robot, cell and object.
     pub pairs: usize,
-    /// How many steps of proofs were validated or found wrong.
+    /// How many steps of proofs were validated or found wrong, sweeps among them.
     pub leaves: usize,
-    /// Of those pairs, the ones that the certificate says to be nearer than required at some instant.
+    /// How many of those are sweeps, which stand for steps of many pairs.
+    pub sweeps: usize,
+    /// How many bounds on quantities of joints were validated or found wrong. A log that is older than these
+    /// proofs has none.
+    pub limits: usize,
+    /// Bounds on efforts that the log claims and that were not computed here.
+    pub unchecked_limits: usize,
+    /// Of the pairs, the ones that the certificate says to be nearer than required at some instant.
     pub violated: Vec<PairName>,
     /// The ones of which it says that they are unknown or not checked. They are not checked here either.
     pub undecided: Vec<PairName>,
+    /// The limits of joints of which the log says that they are exceeded at some instant.
+    pub exceeded: Vec<LimitName>,
     /// What is wrong.
     pub findings: Vec<Finding>,
 }
 
 impl Report {
-    /// Whether what the certificate says as a whole is right: nothing in it is wrong or missing, and either
+    /// Whether what the log's proofs say as a whole is right: nothing in them is wrong or missing, and either
     /// every pair was proved to be free, or one to be nearer than required. Pairs that are undecided leave
     /// the first open and do not matter to the second.
     #[must_use]
@@ -48,26 +59,108 @@ impl fmt::Display for PairName {
     }
 }
 
-/// One thing that the certificate says and that is not so.
+/// What a joint has a limit of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LimitQuantity {
+    /// The least position, rad or m.
+    PositionMin,
+    /// The largest position, rad or m.
+    PositionMax,
+    /// The largest magnitude of the velocity, rad/s or m/s.
+    Velocity,
+    /// … of the acceleration, rad/s² or m/s².
+    Acceleration,
+    /// … of the jerk, rad/s³ or m/s³.
+    Jerk,
+    /// … of the torque or force of the drive, N·m or N.
+    Effort,
+}
+
+impl LimitQuantity {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::PositionMin, Self::PositionMax, Self::Velocity, Self::Acceleration, Self::Jerk, Self::Effort];
+
+    /// A word or two for it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PositionMin => "least position",
+            Self::PositionMax => "largest position",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Jerk => "jerk",
+            Self::Effort => "effort",
+        }
+    }
+}
+
+/// A limit of a joint.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct LimitName {
+    /// Name of the joint.
+    pub joint: String,
+    /// Of what.
+    pub quantity: LimitQuantity,
+}
+
+impl fmt::Display for LimitName {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{} of {}", self.quantity.name(), self.joint)
+    }
+}
+
+/// Where in the proofs something is wrong.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// In what is said about all.
+    Whole,
+    /// In the proof of two solids.
+    Pair(PairName),
+    /// In a box around a moving solid: of which body, and its index among the body's.
+    Sweep(String, usize),
+    /// In the proof of a limit.
+    Limit(LimitName),
+    /// In a jump of a joint: of which, and of which derivative (0 position, 1 velocity, 2 acceleration).
+    Break(String, usize),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Whole => write!(f, "the whole"),
+            Self::Pair(pair) => pair.fmt(f),
+            Self::Sweep(body, part) => write!(f, "sweep of {body}[{part}]"),
+            Self::Limit(limit) => limit.fmt(f),
+            Self::Break(joint, order) => write!(f, "jump of derivative {order} of {joint}"),
+        }
+    }
+}
+
+/// One thing that the proofs say and that is not so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// Which solids; none where it is about the whole certificate.
-    pub pair: Option<PairName>,
+    /// Where it stands.
+    pub place: Place,
     /// From when to when, s; the same time twice for an instant.
     pub interval: [f64; 2],
     /// What is wrong.
     pub quantity: Quantity,
-    /// What the certificate says.
+    /// What the log says.
     pub stated: f64,
     /// What was found here.
     pub recomputed: f64,
 }
 
-/// What can be wrong in a certificate.
+/// What can be wrong in a proof.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// How often a pair is in the certificate; it must be there as often as in the scene: once or never.
+    /// How often a pair, a limit or a jump is there; it must be there as often as in scene and plan: once or
+    /// never. A pair may be missing where sweeps prove it; the interval then says from when they do not.
     Occurrences,
+    /// How many pairs there are.
+    PairCount,
     /// The duration of the plan, s.
     Duration,
     /// When an interval starts, s: not where the one before ended, or not before its own end.
@@ -96,6 +189,16 @@ pub enum Quantity {
     Witness,
     /// The distance of a violation, m, is smaller than its witness points show.
     WitnessDistance,
+    /// A coordinate of a box, m: the solid gets beyond it.
+    Box,
+    /// A limit of a joint, in its unit: not the robot's.
+    Limit,
+    /// A bound on a quantity of a joint, in its unit: it gets beyond it.
+    Bound,
+    /// The value of a quantity of a joint at an instant, in its unit.
+    Peak,
+    /// The size of a jump, in its unit.
+    Jump,
 }
 
 impl Quantity {
@@ -103,7 +206,8 @@ impl Quantity {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Occurrences => "occurrences of the pair",
+            Self::Occurrences => "occurrences",
+            Self::PairCount => "number of pairs",
             Self::Duration => "duration",
             Self::Start => "start of the interval",
             Self::End => "end of the last interval",
@@ -117,6 +221,11 @@ impl Quantity {
             Self::Violation => "distance of the violation",
             Self::Witness => "depth of the witness point",
             Self::WitnessDistance => "distance of the witness points",
+            Self::Box => "side of the box",
+            Self::Limit => "limit",
+            Self::Bound => "bound",
+            Self::Peak => "peak",
+            Self::Jump => "size",
         }
     }
 }
@@ -124,9 +233,7 @@ impl Quantity {
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let [start, end] = self.interval;
-        if let Some(pair) = &self.pair {
-            write!(f, "{pair}, ")?;
-        }
+        write!(f, "{}, ", self.place)?;
         if start < end {
             write!(f, "t = {start} … {end} s: ")?;
         } else {

@@ -12,6 +12,8 @@ const PARALLEL: f64 = 1e-12;
 pub(crate) struct Scene<'d> {
     pub(crate) robot: &'d Robot,
     pub(crate) bodies: Vec<Body<'d>>,
+    /// The convex parts of all bodies, one body after the other.
+    pub(crate) solids: Vec<BodySolid<'d>>,
     /// The pairs of bodies that are judged.
     pub(crate) pairs: Vec<BodyPair>,
     /// Whether no revolute joint turns the axis of a joint after it.
@@ -25,6 +27,15 @@ pub(crate) struct Body<'d> {
     pub(crate) mount: Mount,
     /// Its convex parts, in its frame.
     pub(crate) parts: Vec<(Pose, &'d Solid)>,
+    /// The index of its first part among the solids of the scene.
+    pub(crate) first_solid: usize,
+}
+
+/// A convex part of a body.
+pub(crate) struct BodySolid<'d> {
+    pub(crate) body: usize,
+    pub(crate) body_from_solid: Pose,
+    pub(crate) solid: &'d Solid,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,10 +78,13 @@ impl<'d> Scene<'d> {
         let moving = |carrier| Mount { carrier, carrier_from_body: Pose::IDENTITY };
         let link = |link: &'d Link, role, mount| {
             let part = |PlacedShape { body_from_shape, shape }: &'d PlacedShape| (*body_from_shape, shape);
-            Body { name: &link.name, role, mount, parts: link.shapes.iter().map(part).collect() }
+            let parts = link.shapes.iter().map(part).collect();
+            Body { name: &link.name, role, mount, parts, first_solid: 0 }
         };
-        let whole =
-            |name, role, mount, solid| Body { name, role, mount, parts: vec![(Pose::IDENTITY, solid)] };
+        let whole = |name, role, mount, solid| {
+            let parts = vec![(Pose::IDENTITY, solid)];
+            Body { name, role, mount, parts, first_solid: 0 }
+        };
         let mut bodies = vec![link(&robot.base, Role::Base, fixed(robot.world_from_base))];
         for (i, moved) in robot.links.iter().enumerate() {
             bodies.push(link(moved, Role::Link(i), moving(Carrier::Link(i))));
@@ -84,7 +98,16 @@ impl<'d> Scene<'d> {
         if let Some(object) = &resolved.object {
             bodies.push(whole(&object.name, Role::Object, fixed(object.world_from_object), &object.shape));
         }
-        let mut scene = Self { robot, bodies, pairs: Vec::new(), keeps_axes: keeps_axes(robot) };
+        let mut solids = Vec::new();
+        for (index, body) in bodies.iter_mut().enumerate() {
+            body.first_solid = solids.len();
+            solids.extend(body.parts.iter().map(|&(body_from_solid, solid)| BodySolid {
+                body: index,
+                body_from_solid,
+                solid,
+            }));
+        }
+        let mut scene = Self { robot, bodies, solids, pairs: Vec::new(), keeps_axes: keeps_axes(robot) };
         scene.pairs = scene.judged_pairs(resolved);
         scene
     }
@@ -135,6 +158,12 @@ impl<'d> Scene<'d> {
         });
         let closest = fitting.max_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
         closest.map(|(_, required)| required)
+    }
+
+    /// The indices of the solids of a body.
+    pub(crate) fn solids_of(&self, body: usize) -> std::ops::Range<usize> {
+        let Body { first_solid, parts, .. } = &self.bodies[body];
+        *first_solid..first_solid + parts.len()
     }
 
     /// Whether a body is the last link, which carries the fingers, or a finger.

@@ -14,6 +14,13 @@ pub(crate) struct Vector(pub(crate) [f64; 3]);
 impl Vector {
     pub(crate) const ZERO: Self = Self([0.0; 3]);
 
+    /// Along an axis of the frame.
+    pub(crate) fn unit(axis: usize) -> Self {
+        let mut unit = Self::ZERO;
+        unit.0[axis] = 1.0;
+        unit
+    }
+
     pub(crate) fn dot(self, other: Self) -> f64 {
         self.0[0] * other.0[0] + self.0[1] * other.0[1] + self.0[2] * other.0[2]
     }
