@@ -2,11 +2,11 @@
 
 use graspcheck_model::{
     Pose,
-    robot::{JointKind, RobotModel},
+    robot::{Joint, JointKind, RobotModel},
 };
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
-use crate::solid::Solid;
+use crate::solid::{Place, Solid};
 
 /// What a solid is fixed to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,23 +34,68 @@ impl Carrier {
 #[derive(Clone, Debug)]
 pub(crate) struct Mount {
     pub(crate) carrier: Carrier,
-    /// From the solid's frame to the carrier's.
-    pub(crate) carrier_from_solid: Pose,
-    /// For each arm joint that moves it: how far its points lie at most from the line through its origin
-    /// along the joint's axis, m, wherever the joints between are.
+    /// Of the solid's frame in the carrier's.
+    pub(crate) place: Place,
+    /// For each arm joint that moves it: how far the points of its core lie at most from the line through
+    /// its origin along the joint's axis, m, wherever the joints between are.
     pub(crate) radial_extents: Vec<f64>,
 }
 
 impl Mount {
-    pub(crate) fn new(robot: &RobotModel, solid: &Solid, carrier: Carrier, carrier_from_solid: Pose) -> Self {
+    pub(crate) fn new(
+        robot: &RobotModel,
+        solid: &Solid,
+        carrier: Carrier,
+        carrier_from_solid: &Pose,
+    ) -> Self {
         let joints = carrier.arm_joints(robot.dof());
         let radial_extents = (0..joints)
             .map(|joint| match axis_in_carrier(robot, joint, carrier) {
-                Some(axis) => solid.radial_extent(&(carrier_from_solid.rotation.inverse() * axis)),
-                None => solid.bounding_radius(),
+                Some(axis) => solid.core().radial_extent(&(carrier_from_solid.rotation.inverse() * axis)),
+                None => solid.core().bounding_radius(),
             })
             .collect();
-        Self { carrier, carrier_from_solid, radial_extents }
+        Self { carrier, place: Place::from(carrier_from_solid), radial_extents }
+    }
+}
+
+/// A joint, prepared for many positions.
+#[derive(Clone, Debug)]
+pub(crate) struct Hinge {
+    kind: JointKind,
+    /// In the frame of the joint and of the link beyond it.
+    pub(crate) axis: Vector3<f64>,
+    /// Of the joint in the frame of the link before it.
+    parent_from_joint: Place,
+    /// What the sine of a turn adds to the rotation, and what 1 less its cosine adds: Rodrigues' formula.
+    with_sine: Matrix3<f64>,
+    with_versine: Matrix3<f64>,
+}
+
+impl Hinge {
+    pub(crate) fn new(joint: &Joint) -> Self {
+        let axis = joint.axis.into_inner();
+        let across = axis.cross_matrix();
+        let parent_from_joint = Place::from(&joint.parent_from_joint);
+        let with_sine = parent_from_joint.rotation * across;
+        Self { kind: joint.kind, axis, parent_from_joint, with_sine, with_versine: with_sine * across }
+    }
+
+    /// Where the link beyond the joint is, when the one before it is at `parent` and the joint at a position
+    /// (rad or m).
+    pub(crate) fn link_beyond(&self, parent: &Place, position: f64) -> Place {
+        let joint = &self.parent_from_joint;
+        let moved = match self.kind {
+            JointKind::Revolute => {
+                let (sine, cosine) = position.sin_cos();
+                let rotation = joint.rotation + self.with_sine * sine + self.with_versine * (1.0 - cosine);
+                Place { rotation, ..*joint }
+            }
+            JointKind::Prismatic => {
+                Place { center: joint.center + joint.rotation * self.axis * position, ..*joint }
+            }
+        };
+        parent.then(&moved)
     }
 }
 
@@ -106,7 +151,7 @@ mod tests {
 
     #[test]
     fn extents_count_across_parallel_axes_only() {
-        let mount = Mount::new(&fixtures::scara(), &rod(), Carrier::Link(3), Pose::identity());
+        let mount = Mount::new(&fixtures::scara(), &rod(), Carrier::Link(3), &Pose::identity());
         assert_eq!(mount.radial_extents.len(), 4);
         for extent in mount.radial_extents {
             assert!((extent - 0.01).abs() < 1e-12, "{extent}");
@@ -118,7 +163,7 @@ mod tests {
         let mut robot = fixtures::scara();
         robot.joints[1].axis = Vector3::x_axis();
         assert!(!has_steady_axes(&robot) && has_steady_axes(&fixtures::scara()));
-        let mount = Mount::new(&robot, &rod(), Carrier::Link(3), Pose::identity());
+        let mount = Mount::new(&robot, &rod(), Carrier::Link(3), &Pose::identity());
         let all_round = 0.01_f64.hypot(0.2);
         let expected = [all_round, all_round, 0.01, 0.01];
         for (joint, (extent, expected)) in mount.radial_extents.iter().zip(expected).enumerate() {

@@ -28,9 +28,10 @@ use graspcheck_model::{
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    bounds::Bounds,
     chain::{Carrier, Mount},
     gap,
-    scene::{Kind, Scene},
+    scene::{Kind, PartPair, Scene},
     solid::{Place, Placed},
 };
 
@@ -84,6 +85,13 @@ pub(crate) struct Requirement {
     pub(crate) fixed: bool,
 }
 
+impl Requirement {
+    /// Whether the pair counts when the least margin is looked for.
+    pub(crate) fn counts(&self) -> bool {
+        self.contact.is_none() && !self.fixed
+    }
+}
+
 /// What a phase is for, as far as contacts go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Occasion {
@@ -135,10 +143,9 @@ fn carries_between(plan: &Plan, phase: usize) -> bool {
 pub(crate) struct Stage {
     /// How the object is mounted, if there is one.
     pub(crate) object: Option<Mount>,
-    /// Its place, if it stands.
-    pub(crate) object_place: Option<Place>,
-    /// For each of [`Scene::pairs`].
-    pub(crate) requirements: Vec<Requirement>,
+    occasion: Occasion,
+    /// What carries the object then.
+    supports: Vec<Support>,
     /// The pads stop here, m: at the object's width while it is between them, else at 0.
     pub(crate) opening_min: f64,
 }
@@ -154,8 +161,7 @@ impl Stage {
             Some(grasp) if occasion.grips() => grasp.width,
             _ => 0.0,
         };
-        let mut stage = Self { object: None, object_place: None, requirements: Vec::new(), opening_min };
-        let mut supports = Vec::new();
+        let mut stage = Self { object: None, occasion, supports: Vec::new(), opening_min };
         if let (Some(object), Some(part)) = (&scene.object, scene.object_part) {
             let no_grasp = || format!("object {}: the plan moves it but has no grasp", object.name);
             let start = object.world_from_object;
@@ -173,16 +179,15 @@ impl Stage {
             match occasion.holding {
                 Holding::Held => {
                     if occasion.begins {
-                        supports.extend(supports_at(scene, part, &start));
+                        stage.supports.extend(supports_at(scene, part, &start));
                     }
                     if let (true, Some(placed)) = (occasion.ends, placed) {
-                        supports.extend(supports_at(scene, part, &placed));
+                        stage.supports.extend(supports_at(scene, part, &placed));
                     }
                 }
-                _ => supports.extend(supports_at(scene, part, &carrier_from_object)),
+                _ => stage.supports.extend(supports_at(scene, part, &carrier_from_object)),
             }
         }
-        stage.require(scene, occasion, &supports);
         Ok(stage)
     }
 
@@ -190,40 +195,41 @@ impl Stage {
     pub(crate) fn stand_object(&mut self, scene: &Scene, part: usize, carrier: Carrier, pose: Pose) {
         let part = &scene.parts[part];
         let carrier_from_solid = pose * part.body_from_solid;
-        self.object_place = (carrier == Carrier::World).then(|| Place::from(&carrier_from_solid));
-        self.object = Some(Mount::new(&scene.robot, &part.solid, carrier, carrier_from_solid));
+        self.object = Some(Mount::new(&scene.robot, &part.solid, carrier, &carrier_from_solid));
     }
 
-    fn require(&mut self, scene: &Scene, occasion: Occasion, supports: &[Support]) {
-        self.requirements.reserve_exact(scene.pairs.len());
-        for pair in &scene.pairs {
-            let bodies = &scene.body_pairs[pair.bodies];
-            let (kind_a, kind_b) = (scene.bodies[bodies.a].kind, scene.bodies[bodies.b].kind);
-            let (carrier_a, carrier_b) =
-                (self.mount(scene, pair.a).carrier, self.mount(scene, pair.b).carrier);
-            let fixed = carrier_a == Carrier::World && carrier_b == Carrier::World;
-            let touches_gripper = kind_a == Kind::Object && scene.is_gripper(bodies.b);
-            // Of two supports that are one body, where the object stands and where it is put, the nearer counts.
-            let stands = supports.iter().filter(|support| support.body == bodies.b).map(|it| it.gap);
-            let stands = stands.min_by(f64::total_cmp).filter(|_| kind_a == Kind::Object);
-            let (required, contact) = match stands {
-                Some(gap) if fixed => (gap.min(0.0) - SUPPORT_OVERLAP, Some(Contact::Support)),
-                Some(gap) => (bodies.required.min(gap - SUPPORT_OVERLAP), Some(Contact::Support)),
-                // What does not move cannot come nearer; it must not overlap. The base may stand on the cell.
-                None if kind_a == Kind::Object && fixed => (0.0, None),
-                None if kind_a == Kind::Base && kind_b == Kind::Cell => (-SUPPORT_OVERLAP, None),
-                None if touches_gripper && occasion.grips() && matches!(kind_b, Kind::Finger(_)) => {
-                    (-DEPTH_LIMIT, Some(Contact::Grip))
-                }
-                None if touches_gripper && occasion.is_at_the_object() && !bodies.named => {
-                    (APPROACH_MARGIN, None)
-                }
-                None => (bodies.required, None),
-            };
-            let joints = |carrier: Carrier| carrier.arm_joints(scene.robot.dof());
-            let first_joint = joints(carrier_a).min(joints(carrier_b));
-            self.requirements.push(Requirement { required, contact, first_joint, fixed });
-        }
+    /// What is required of a pair of parts.
+    pub(crate) fn requirement(&self, scene: &Scene, pair: &PartPair) -> Requirement {
+        let bodies = &scene.body_pairs[pair.bodies];
+        let (kind_a, kind_b) = (scene.bodies[bodies.a].kind, scene.bodies[bodies.b].kind);
+        let (carrier_a, carrier_b) = (self.mount(scene, pair.a).carrier, self.mount(scene, pair.b).carrier);
+        let fixed = carrier_a == Carrier::World && carrier_b == Carrier::World;
+        let is_object = kind_a == Kind::Object;
+        let touches_gripper = is_object && scene.is_gripper(bodies.b);
+        let (required, contact) = match self.stands(bodies.b).filter(|_| is_object) {
+            Some(gap) if fixed => (gap.min(0.0) - SUPPORT_OVERLAP, Some(Contact::Support)),
+            Some(gap) => (bodies.required.min(gap - SUPPORT_OVERLAP), Some(Contact::Support)),
+            // What does not move cannot come nearer; it must not overlap. The base may stand on the cell.
+            None if is_object && fixed => (0.0, None),
+            None if kind_a == Kind::Base && kind_b == Kind::Cell => (-SUPPORT_OVERLAP, None),
+            None if touches_gripper && self.occasion.grips() && matches!(kind_b, Kind::Finger(_)) => {
+                (-DEPTH_LIMIT, Some(Contact::Grip))
+            }
+            None if touches_gripper && self.occasion.is_at_the_object() && !bodies.named => {
+                (APPROACH_MARGIN, None)
+            }
+            None => (bodies.required, None),
+        };
+        let joints = |carrier: Carrier| carrier.arm_joints(scene.robot.dof());
+        let first_joint = joints(carrier_a).min(joints(carrier_b));
+        Requirement { required, contact, first_joint, fixed }
+    }
+
+    /// How far a body lies below the object that it supports, m; none when it does not. Of two supports that
+    /// are one body, where the object stands and where it is put, the nearer counts.
+    fn stands(&self, body: usize) -> Option<f64> {
+        let below = self.supports.iter().filter(|support| support.body == body).map(|support| support.gap);
+        below.min_by(f64::total_cmp)
     }
 
     /// How a part is mounted during this stage.
@@ -284,23 +290,19 @@ fn supports_at(scene: &Scene, part: usize, world_from_object: &Pose) -> Vec<Supp
     let object = &scene.parts[part];
     let place = Place::from(&(world_from_object * object.body_from_solid));
     let object = Placed { solid: &object.solid, place };
-    let support = |body: usize| {
-        let part = &scene.parts[scene.bodies[body].first_part];
-        let cell = Placed { solid: &part.solid, place: part.place? };
-        let reach = object.solid.bounding_radius() + cell.solid.bounding_radius() + SUPPORT_REACH;
-        if (object.place.center - cell.place.center).norm() > reach {
-            return None;
-        }
-        let known = gap::separation(&object, &cell, None, gap::FINEST_TOLERANCE)?;
+    let mut supports = Vec::new();
+    scene.near_obstacles(&Bounds::of(&object), SUPPORT_REACH, |part, _| {
+        let Some(known) = gap::separation(&object, &scene.still(part), None, gap::FINEST_TOLERANCE) else {
+            return;
+        };
         let gap = match scene.cell_gravity.try_normalize(0.0) {
-            Some(down) => gap::gap(&object, &cell, &down) + gap::GAP_SLACK,
+            Some(down) => gap::gap(&object, &scene.still(part), &down) + gap::GAP_SLACK,
             None => known.lower,
         };
         let stands = known.upper <= SUPPORT_REACH && (-SUPPORT_OVERLAP..=SUPPORT_REACH).contains(&gap);
-        stands.then_some(Support { body, gap })
-    };
-    let cell = (0..scene.bodies.len()).filter(|&body| scene.bodies[body].kind == Kind::Cell);
-    cell.filter_map(support).collect()
+        supports.extend(stands.then_some(Support { body: scene.parts[part].body, gap }));
+    });
+    supports
 }
 
 /// What is required of two bodies during one phase, or why nothing is.
@@ -342,12 +344,13 @@ impl Scene {
         for (index, phase) in plan.phases.iter().enumerate() {
             let Ok(stage) = Stage::new(self, plan, Occasion::of(plan, index)) else { continue };
             let mut last = None;
-            for (pair, requirement) in self.pairs.iter().zip(&stage.requirements) {
+            for pair in &self.pairs {
                 // All parts of two bodies are alike in this.
                 if last.replace(pair.bodies) == Some(pair.bodies) {
                     continue;
                 }
                 let bodies = &self.body_pairs[pair.bodies];
+                let requirement = stage.requirement(self, pair);
                 all.push(RequiredPair {
                     phase: Some(phase.name.clone()),
                     a: name(bodies.a),

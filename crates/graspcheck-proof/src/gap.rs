@@ -23,20 +23,16 @@ use crate::solid::{Core, Placed, Solid};
 /// than 1e-13 m, and exact joint ranges by less than 1e-12 rad.
 pub const GAP_SLACK: f64 = 1e-9;
 
-/// Farther from the world's origin than this, m, rounding is no longer far below [`GAP_SLACK`], and nothing
-/// is certified.
-pub const LARGEST_COORDINATE: f64 = 1e4;
-
 /// The narrowest difference between the bounds of a distance that may be asked for, m: more than the search
 /// on polytopes leaves, and the slack.
 pub const FINEST_TOLERANCE: f64 = 1e-7;
 
 /// A certified lower bound on the signed distance of A and B, m, by the slab across `n` (of length 1, from A
-/// to B). Where a solid is farther out than [`LARGEST_COORDINATE`] it is minus infinity, and NaN where a
+/// to B). Where a solid is farther out than [`LARGEST_COORDINATE`](crate::solid::LARGEST_COORDINATE) it is minus infinity, and NaN where a
 /// number is: no comparison then proves anything.
 #[must_use]
 pub fn gap(a: &Placed, b: &Placed, n: &Vector3<f64>) -> f64 {
-    if !(is_near(a) && is_near(b)) {
+    if !(a.is_near() && b.is_near()) {
         return f64::NEG_INFINITY;
     }
     n.dot(&(b.place.center - a.place.center)) - a.reach(n) - b.reach(&-n) - GAP_SLACK
@@ -70,7 +66,7 @@ pub struct Separation {
 /// the bounds differ by more than `tolerance` (m, at least [`FINEST_TOLERANCE`]), more normals are proposed.
 /// They may still differ by more: for hulls that overlap, or overlapping curved solids.
 ///
-/// None when it cannot be computed: a coordinate is not finite or larger than [`LARGEST_COORDINATE`], or the
+/// None when it cannot be computed: a coordinate is not finite or larger than [`LARGEST_COORDINATE`](crate::solid::LARGEST_COORDINATE), or the
 /// search failed. That means *not checked*, never *free*.
 #[must_use]
 pub fn separation(a: &Placed, b: &Placed, hint: Option<&Vector3<f64>>, tolerance: f64) -> Option<Separation> {
@@ -140,19 +136,16 @@ pub fn overlap_of_at_least(a: &Placed, b: &Placed, depth: f64) -> Option<Vector3
         let between = b.place.center - a.place.center;
         let start = if between.norm_squared() > 0.0 { between } else { Vector3::z() };
         let [core_a, core_b, _] = core_points(&a, &b, &start)?;
-        let apart = (core_b - core_a).norm() - solid_a.radius() - solid_b.radius();
-        (apart < 0.5 * GAP_SLACK).then(|| 0.5 * (core_a + core_b))
+        let (distance, radii) = ((core_b - core_a).norm(), solid_a.radius() + solid_b.radius());
+        // A point between the cores that is no farther from each of them than its ball reaches.
+        let share = if radii > 0.0 { solid_a.radius() / radii } else { 0.5 };
+        (distance - radii < 0.5 * GAP_SLACK).then(|| core_a.lerp(&core_b, share))
     })
-}
-
-/// Whether the solid is so near to the origin that rounding is far below the slack.
-fn is_near(solid: &Placed) -> bool {
-    solid.place.center.amax() + solid.solid.bounding_radius() < LARGEST_COORDINATE
 }
 
 /// Whether the search may be called: it panics on numbers that are not finite.
 fn is_sane(solid: &Placed) -> bool {
-    is_near(solid) && solid.place.center.iter().chain(&solid.place.rotation).all(|x| x.is_finite())
+    solid.is_near() && solid.place.center.iter().chain(&solid.place.rotation).all(|x| x.is_finite())
 }
 
 /// A point of the core of A and one of the core of B, as close as the search found them (coincident when
@@ -294,7 +287,7 @@ mod tests {
     use crate::{
         fixtures::Draw,
         solid::{
-            Place,
+            LARGEST_COORDINATE, Place,
             tests::{cores, point_of},
         },
     };
@@ -453,6 +446,46 @@ mod tests {
         let b = Placed { solid: &solid_b, place: place(0.0) };
         assert!(overlap_of_at_least(&a, &b, 0.000_99).is_some());
         assert!(overlap_of_at_least(&a, &b, 0.001_01).is_none());
+    }
+
+    /// The common point lies in both solids with a ball of its own in each, and the two balls together are as
+    /// thick as asked for: no direction separates the solids by more than `-depth`.
+    #[test]
+    fn a_common_point_lies_in_both_solids_of_any_kind() {
+        let mut draw = Draw(14);
+        let mut shown = 0;
+        for (kind_a, kind_b) in (0..200).flat_map(|_| (0..5).flat_map(|a| (0..5).map(move |b| (a, b)))) {
+            let solid_a = Solid::new(cores(&mut draw)[kind_a].clone(), draw.between(0.01, 0.1));
+            let solid_b = Solid::new(cores(&mut draw)[kind_b].clone(), draw.between(0.0, 0.01));
+            let a = Placed { solid: &solid_a, place: random_place(&mut draw, 0.2) };
+            let b = Placed { solid: &solid_b, place: random_place(&mut draw, 0.2) };
+            let depth = draw.between(0.0, 0.03);
+            let Some(point) = overlap_of_at_least(&a, &b, depth) else { continue };
+            shown += 1;
+            for _ in 0..50 {
+                let n = Vector3::from_fn(|_, _| draw.between(-1.0, 1.0)).normalize();
+                // How far the faces of A and B across n are beyond the point.
+                let room =
+                    |solid: &Placed, n: &Vector3<f64>| solid.reach(n) - n.dot(&(point - solid.place.center));
+                let (in_a, in_b) = (room(&a, &n), room(&b, &-n));
+                assert!(in_a >= -1e-12 && in_b >= -1e-12, "{kind_a} {kind_b}: {in_a} {in_b}");
+                assert!(in_a + in_b >= depth, "{kind_a} {kind_b}: {in_a} {in_b} {depth}");
+            }
+        }
+        assert!(shown > 1500, "{shown}");
+    }
+
+    /// A ball of 50 mm whose middle is 40 mm above a box: half way between the cores is outside of the box.
+    #[test]
+    fn the_common_point_of_a_ball_and_a_box_is_in_the_box() {
+        let (solid_a, solid_b) = (cuboid(0.1, 0.1, 0.1), Solid::new(Core::Point, 0.05));
+        let place = |z| Place::from(&Pose::translation(0.0, 0.0, z));
+        let a = Placed { solid: &solid_a, place: place(0.0) };
+        let b = Placed { solid: &solid_b, place: place(0.14) };
+        for (a, b) in [(&a, &b), (&b, &a)] {
+            let point = overlap_of_at_least(a, b, 0.005).expect("they overlap by 10 mm");
+            assert!(point.z <= 0.1 + 1e-12 && point.z >= 0.09 - 1e-12, "{point}");
+        }
     }
 
     /// Two boxes that differ by a yaw only: parry's `query::distance` says 0.150 m (dimforge/parry#431).

@@ -11,8 +11,9 @@
 //! Clearance is positive apart, zero touching, negative overlapping, in m.
 //!
 //! Reading order: [`solid`], [`gap`], `chain`, [`scene`], [`contact`], `stretch`, `displacement`,
-//! [`certify`], [`certificate`], [`minimum`], [`torque`], [`sample`], [`hull`].
+//! `bounds`, `tree`, [`certify`], [`certificate`], [`minimum`], [`torque`], [`sample`], [`hull`].
 
+mod bounds;
 pub mod certificate;
 pub mod certify;
 mod chain;
@@ -30,8 +31,9 @@ pub mod scene;
 pub mod solid;
 mod stretch;
 pub mod torque;
+mod tree;
 
-pub use certificate::{Certificate, Doubt, Leaf, PairCertificate, PairVerdict, ProofOutcome, Violation};
+pub use certificate::{Certificate, Doubt, Leaf, PairCertificate, PairVerdict, ProofOutcome, Sweep, Violation};
 pub use contact::{Contact, RequiredPair};
 pub use error::SceneError;
 pub use hull::hull_triangles;

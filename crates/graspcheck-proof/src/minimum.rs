@@ -2,7 +2,9 @@
 //!
 //! For a pair on an interval, `gap - loss - required` at the middle bounds the margin from below, witness
 //! points at the middle from above. The interval with the lowest bound is halved until the lowest bound is
-//! within the tolerance of the least witness.
+//! within the tolerance of the least witness. In a cell of many bodies a solid of the robot or the object
+//! stands for all its pairs with the cell at first: the box of its sweep bounds their margin, and only the
+//! bodies that are near enough to it to matter become pairs.
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
@@ -10,12 +12,13 @@ use graspcheck_model::plan::Plan;
 use nalgebra::Vector3;
 
 use crate::{
-    certify::SHORTEST_INTERVAL,
-    contact::{Requirement, Stages},
+    bounds::Bounds,
+    certify::{FEW_NEAR, SHORTEST_INTERVAL, is_wide},
+    contact::{Stage, Stages},
     displacement::Moment,
     gap::{first_normal, gap, overlap_of_at_least, separation},
     scene::Scene,
-    solid::Placed,
+    solid::{LARGEST_COORDINATE, Placed},
     stretch::{Stretch, middle, stretches},
 };
 
@@ -50,20 +53,40 @@ pub struct MarginBounds {
     pub points: [[f64; 3]; 2],
 }
 
-/// A pair on an interval, ordered so that the lowest bound is taken first.
+/// When motion can take more than this many times what the normal at hand leaves over, another normal would
+/// not make the interval much shorter on which the pair is settled.
+const HOPELESS: f64 = 2.0;
+
+/// The first distance, m, in which something is looked for that is near to a solid. It grows by
+/// [`REACH_GROWTH`] until there is something.
+const FIRST_REACH: f64 = 0.05;
+const REACH_GROWTH: f64 = 4.0;
+
+/// What has a margin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Subject {
+    /// A solid of the robot or the object against all of the cell, by its index.
+    Part(usize),
+    /// A pair, by its index.
+    Pair(usize),
+}
+
+/// A subject on an interval, ordered so that the lowest bound is taken first.
+#[derive(Clone, Copy)]
 struct Candidate {
     lower: f64,
-    pair: usize,
+    subject: Subject,
     stretch: usize,
     start: f64,
     end: f64,
+    /// What separated a pair last, or zero.
     normal: Vector3<f64>,
 }
 
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
         // Ties are broken by place, so that the search takes the same way everywhere.
-        let place = |c: &Self| (c.pair, c.stretch);
+        let place = |c: &Self| (c.subject, c.stretch);
         other
             .lower
             .total_cmp(&self.lower)
@@ -96,26 +119,131 @@ struct Search<'s> {
     best: Option<Witness>,
     /// The least bound of what needs no further look.
     settled: f64,
+    /// Pairs that are near to a sweep, and how much farther apart than required the boxes are.
+    near: Vec<(usize, f64)>,
 }
 
-impl Search<'_> {
-    /// Bounds the margin of a pair on an interval, at the middle of which the moment stands. None when the
+impl<'s> Search<'s> {
+    /// The margin that no witness undercuts so far, m.
+    fn upper(&self) -> f64 {
+        self.best.as_ref().map_or(f64::INFINITY, |best| best.upper)
+    }
+
+    fn settle(&mut self, lower: f64) {
+        self.settled = self.settled.min(lower);
+    }
+
+    /// Bounds the margin of a subject on an interval, at the middle of which the moment stands. None when a
     /// distance cannot be computed.
-    fn look(&mut self, at: &Candidate, stretch: &Stretch, requirement: &Requirement) -> Option<()> {
+    fn look(&mut self, at: &Candidate, stretch: &Stretch, stage: &'s Stage) -> Option<()> {
+        match at.subject {
+            Subject::Part(part) => self.look_at_part(part, at, stretch, stage),
+            Subject::Pair(pair) => self.look_at_pair(pair, at, stretch, stage),
+        }
+    }
+
+    fn look_at_part(
+        &mut self,
+        part: usize,
+        at: &Candidate,
+        stretch: &Stretch,
+        stage: &'s Stage,
+    ) -> Option<()> {
         self.evaluations += 1;
-        let pair = self.scene.pairs[at.pair];
+        if self.best.is_none() {
+            self.look_at_nearest(part, at, stretch, stage)?;
+        }
+        // What is farther than the least witness does not matter.
+        let Some(best) = &self.best else { return Some(()) };
+        let more = (best.upper - self.tolerance).max(0.0);
+        let sweep = self.moment.sweep(part);
+        let mut near = std::mem::take(&mut self.near);
+        self.find_near(part, stage, &sweep, more, &mut near);
+        let long = at.end - at.start > SHORTEST_INTERVAL;
+        if near.len() > FEW_NEAR && long && is_wide(&mut self.moment, part, &sweep) {
+            let lower = near.iter().map(|(_, room)| *room).fold(more, f64::min);
+            self.heap.push(Candidate { lower: lower.max(at.lower), ..*at });
+        } else {
+            self.settle(more);
+            for &(pair, room) in &near {
+                let lower = room.max(at.lower);
+                self.look_at_pair(
+                    pair,
+                    &Candidate { lower, subject: Subject::Pair(pair), ..*at },
+                    stretch,
+                    stage,
+                )?;
+            }
+        }
+        self.near = near;
+        Some(())
+    }
+
+    /// Looks at the pair of a solid with what is nearest to it at the middle of an interval, as a witness to
+    /// begin with; at none if nothing is there.
+    fn look_at_nearest(
+        &mut self,
+        part: usize,
+        at: &Candidate,
+        stretch: &Stretch,
+        stage: &'s Stage,
+    ) -> Option<()> {
+        let bounds = Bounds::of(&self.moment.place(part));
+        let mut near = std::mem::take(&mut self.near);
+        let mut reach = FIRST_REACH;
+        near.clear();
+        while near.is_empty() && reach < 4.0 * LARGEST_COORDINATE {
+            self.find_near(part, stage, &bounds, reach, &mut near);
+            reach *= REACH_GROWTH;
+        }
+        let nearest = near.iter().min_by(|(_, a), (_, b)| a.total_cmp(b)).copied();
+        self.near = near;
+        let Some((pair, _)) = nearest else { return Some(()) };
+        self.look_at_pair(pair, &Candidate { subject: Subject::Pair(pair), ..*at }, stretch, stage)
+    }
+
+    /// The pairs of a solid that count and are near to a box around it.
+    fn find_near(&self, part: usize, stage: &Stage, sweep: &Bounds, more: f64, near: &mut Vec<(usize, f64)>) {
+        near.clear();
+        self.scene.near_to_sweep(stage, part, sweep, more, |pair, room| {
+            if stage.requirement(self.scene, &self.scene.pairs[pair]).counts() {
+                near.push((pair, room));
+            }
+        });
+    }
+
+    fn look_at_pair(
+        &mut self,
+        index: usize,
+        at: &Candidate,
+        stretch: &Stretch,
+        stage: &'s Stage,
+    ) -> Option<()> {
+        let pair = self.scene.pairs[index];
+        let requirement = stage.requirement(self.scene, &pair);
+        if !requirement.counts() {
+            return Some(());
+        }
+        self.evaluations += 1;
         let [a, b] = self.moment.placed(pair);
-        let enough = self.best.as_ref().map_or(f64::INFINITY, |best| best.upper) - self.tolerance;
-        let known_normal = at.normal != Vector3::zeros();
-        let hint = if known_normal { at.normal } else { first_normal(&a, &b) };
-        let by_hint = gap(&a, &b, &hint) - self.moment.loss(pair, requirement, &hint) - requirement.required;
-        if by_hint.max(at.lower) >= enough {
-            self.settled = self.settled.min(by_hint.max(at.lower));
+        let enough = self.upper() - self.tolerance;
+        let hint = if at.normal == Vector3::zeros() { first_normal(&a, &b) } else { at.normal };
+        let now = gap(&a, &b, &hint) - requirement.required;
+        let loss = self.moment.loss(pair, requirement.first_joint, &hint, now - enough);
+        let by_hint = (now - loss).max(at.lower);
+        if by_hint >= enough {
+            self.settle(by_hint);
+            return Some(());
+        }
+        // At this instant the pair is no witness, and on half of the interval the normal will do better.
+        if now >= self.upper() && loss > HOPELESS * (now - enough) {
+            self.heap.push(Candidate { lower: by_hint, normal: hint, ..*at });
             return Some(());
         }
         let known = separation(&a, &b, Some(&hint), 0.25 * self.tolerance)?;
-        let loss = self.moment.loss(pair, requirement, &known.normal);
-        let lower = (known.lower - loss - requirement.required).max(by_hint).max(at.lower);
+        let now = known.lower - requirement.required;
+        let loss = self.moment.loss(pair, requirement.first_joint, &known.normal, now - enough);
+        let lower = (now - loss).max(by_hint);
         let (mut upper, mut points) = (known.upper, known.points);
         let overlap_counts = known.lower - requirement.required < enough + self.tolerance;
         if known.upper <= 0.0 && known.upper - known.lower > self.tolerance && overlap_counts {
@@ -126,10 +254,10 @@ impl Search<'_> {
             }
         }
         let upper = upper - requirement.required;
-        if self.best.as_ref().is_none_or(|best| upper < best.upper) {
+        if upper < self.upper() {
             let time = middle(at.start, at.end);
             let (phase, required) = (stretch.phase, requirement.required);
-            self.best = Some(Witness { upper, time, pair: at.pair, phase, required, points });
+            self.best = Some(Witness { upper, time, pair: index, phase, required, points });
         }
         self.heap.push(Candidate { lower, normal: known.normal, ..*at });
         Some(())
@@ -185,33 +313,37 @@ impl Scene {
             heap: BinaryHeap::new(),
             best: None,
             settled: f64::INFINITY,
+            near: Vec::new(),
         };
         for (index, stretch) in stretches.iter().enumerate() {
             let stage = stages.of(stretch.phase);
             search.moment.set(stage, stretch, stretch.start, stretch.end);
-            for (pair, requirement) in stage.requirements.iter().enumerate() {
-                if requirement.contact.is_none() && !requirement.fixed {
-                    let root = Candidate {
-                        lower: f64::NEG_INFINITY,
-                        pair,
-                        stretch: index,
-                        start: stretch.start,
-                        end: stretch.end,
-                        normal: Vector3::zeros(),
-                    };
-                    search.look(&root, stretch, requirement)?;
-                }
+            let mut look = |subject| {
+                let root = Candidate {
+                    lower: f64::NEG_INFINITY,
+                    subject,
+                    stretch: index,
+                    start: stretch.start,
+                    end: stretch.end,
+                    normal: Vector3::zeros(),
+                };
+                search.look(&root, stretch, stage)
+            };
+            if self.has_sweeps() {
+                self.pairs_without_cell.iter().try_for_each(|&pair| look(Subject::Pair(pair)))?;
+                (0..self.first_cell_part).try_for_each(|part| look(Subject::Part(part)))?;
+            } else {
+                (0..self.pairs.len()).try_for_each(|pair| look(Subject::Pair(pair)))?;
             }
         }
         while let Some(candidate) = search.heap.pop() {
-            let upper = search.best.as_ref()?.upper;
-            let enough = candidate.lower >= upper - tolerance;
+            let enough = candidate.lower >= search.upper() - tolerance;
             if enough || search.evaluations > MOST_EVALUATIONS {
-                search.settled = search.settled.min(candidate.lower);
+                search.settle(candidate.lower);
                 break;
             }
             if candidate.end - candidate.start < SHORTEST_INTERVAL {
-                search.settled = search.settled.min(candidate.lower);
+                search.settle(candidate.lower);
                 continue;
             }
             let half = middle(candidate.start, candidate.end);
@@ -219,8 +351,7 @@ impl Scene {
             let stage = stages.of(stretch.phase);
             for (start, end) in [(candidate.start, half), (half, candidate.end)] {
                 search.moment.set(stage, stretch, start, end);
-                let child = Candidate { start, end, ..candidate };
-                search.look(&child, stretch, &stage.requirements[candidate.pair])?;
+                search.look(&Candidate { start, end, ..candidate }, stretch, stage)?;
             }
         }
         let best = search.best?;

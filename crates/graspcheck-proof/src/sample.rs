@@ -74,8 +74,9 @@ impl Sampler<'_> {
         let mut moment = Moment::new(self.scene, stage);
         moment.set_still(stage, q, opening);
         let mut least: Option<f64> = None;
-        for (index, requirement) in planned.requirements.iter().enumerate() {
-            if requirement.contact.is_some() || requirement.fixed {
+        for (index, pair) in self.scene.pairs.iter().enumerate() {
+            let requirement = planned.requirement(self.scene, pair);
+            if !requirement.counts() {
                 continue;
             }
             let [a, b] = moment.placed(self.scene.pairs[index]);

@@ -4,15 +4,19 @@ use graspcheck_model::{
     Pose,
     cell::{Cell, ClearanceRule},
     object::Object,
-    robot::{Link, RobotModel},
+    robot::{Finger, Link, RobotModel},
     shape::{PlacedShape, Shape},
 };
 use nalgebra::{Translation3, Vector3};
 
 use crate::{
-    chain::{Carrier, Mount, has_steady_axes},
+    bounds::Bounds,
+    chain::{Carrier, Hinge, Mount, has_steady_axes},
+    contact::{APPROACH_MARGIN, Stage},
     error::SceneError,
-    solid::{Place, Solid},
+    gap::GAP_SLACK,
+    solid::{LARGEST_COORDINATE, Place, Placed, Solid},
+    tree::Tree,
 };
 
 /// The name that stands for the last link and both fingers in a clearance rule.
@@ -31,8 +35,28 @@ pub struct Scene {
     pub(crate) cell_gravity: Vector3<f64>,
     /// Whether no joint of the arm turns the axis of another.
     pub(crate) steady_axes: bool,
+    /// Of the robot's base.
+    pub(crate) world_from_base: Place,
+    /// The joints of the arm, from the base on.
+    pub(crate) hinges: Vec<Hinge>,
+    /// The closed fingers in the frame of the last link.
+    pub(crate) fingers: [Slide; 2],
     /// The object's only part.
     pub(crate) object_part: Option<usize>,
+    /// From this one on the parts are those of the cell, which stand still; before it stand those of the robot
+    /// and the object.
+    pub(crate) first_cell_part: usize,
+    /// The bounds of the cell's parts.
+    obstacles: Tree,
+    /// Parts of the cell that have no bounds: they are near to everything.
+    unbounded: Vec<usize>,
+    /// Pairs of parts of which none is of the cell.
+    pub(crate) pairs_without_cell: Vec<usize>,
+    /// The largest distance that any pair must keep, m.
+    widest_required: f64,
+    /// For each part of the robot or the object, one after the other, and each part of the cell: the index
+    /// of their pair.
+    pair_with_cell: Vec<u32>,
     /// Pairs of parts that are judged, in order of their body pairs.
     pub(crate) pairs: Vec<PartPair>,
     /// Body pairs, in the order robot–cell, robot–robot, object–cell, object–robot.
@@ -63,12 +87,20 @@ pub(crate) enum Kind {
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
     pub(crate) solid: Solid,
+    /// Index into [`Scene::bodies`].
+    pub(crate) body: usize,
     /// From the solid's frame to the body's: the object is carried by different things in turn.
     pub(crate) body_from_solid: Pose,
     /// How it is mounted; the object stands at its start.
     pub(crate) mount: Mount,
-    /// Its place in the world, if it stands still.
-    pub(crate) place: Option<Place>,
+}
+
+/// A finger when it is closed, and which way it opens, both in the frame of the last link.
+#[derive(Clone, Debug)]
+pub(crate) struct Slide {
+    pub(crate) place: Place,
+    /// In the frame of the finger.
+    pub(crate) axis: Vector3<f64>,
 }
 
 /// Two bodies that are judged against each other.
@@ -107,6 +139,10 @@ impl Scene {
             });
         }
         check_chain(robot)?;
+        let slide = |finger: &Finger| Slide {
+            place: Place::from(&finger.link_from_finger),
+            axis: finger.axis.into_inner(),
+        };
         let mut scene = Self {
             robot: robot.clone(),
             object: object.cloned(),
@@ -114,7 +150,16 @@ impl Scene {
             parts: Vec::new(),
             cell_gravity: cell.gravity,
             steady_axes: has_steady_axes(robot),
+            world_from_base: Place::from(&robot.world_from_base),
+            hinges: robot.joints.iter().map(Hinge::new).collect(),
+            fingers: robot.gripper.fingers.each_ref().map(slide),
             object_part: None,
+            first_cell_part: 0,
+            obstacles: Tree::default(),
+            unbounded: Vec::new(),
+            pairs_without_cell: Vec::new(),
+            widest_required: 0.0,
+            pair_with_cell: Vec::new(),
             pairs: Vec::new(),
             body_pairs: Vec::new(),
         };
@@ -150,15 +195,21 @@ impl Scene {
         for (index, finger) in robot.gripper.fingers.iter().enumerate() {
             add_link(self, &finger.link, Kind::Finger(index), Carrier::Finger(index), Pose::identity())?;
         }
-        for body in &cell.bodies {
-            let shape = [(&body.shape, Pose::identity())].into_iter();
-            self.add_body(&body.name, Kind::Cell, Carrier::World, body.world_from_shape, shape)?;
-        }
         if let Some(object) = self.object.clone() {
             let shape = [(&object.shape, Pose::identity())].into_iter();
             self.object_part = Some(self.parts.len());
             self.add_body(&object.name, Kind::Object, Carrier::World, object.world_from_object, shape)?;
         }
+        self.first_cell_part = self.parts.len();
+        for body in &cell.bodies {
+            let shape = [(&body.shape, Pose::identity())].into_iter();
+            self.add_body(&body.name, Kind::Cell, Carrier::World, body.world_from_shape, shape)?;
+        }
+        let cell = self.first_cell_part..self.parts.len();
+        let (bounded, unbounded) = cell.partition(|&part| self.still(part).is_near());
+        self.unbounded = unbounded;
+        let bounds = |part: usize| (Bounds::of(&self.still(part)), part);
+        self.obstacles = Tree::new(Vec::into_iter(bounded).map(bounds).collect());
         Ok(())
     }
 
@@ -182,9 +233,8 @@ impl Scene {
             if !is_finite(&carrier_from_solid) {
                 return Err(SceneError::NotFinite { body: name.to_owned() });
             }
-            let place = (carrier == Carrier::World).then(|| Place::from(&carrier_from_solid));
-            let mount = Mount::new(&self.robot, &solid, carrier, carrier_from_solid);
-            self.parts.push(Part { solid, body_from_solid, mount, place });
+            let mount = Mount::new(&self.robot, &solid, carrier, &carrier_from_solid);
+            self.parts.push(Part { solid, body: self.bodies.len(), body_from_solid, mount });
         }
         self.bodies.push(Body { name: name.to_owned(), kind, first_part, end_part: self.parts.len() });
         Ok(())
@@ -256,6 +306,60 @@ impl Scene {
                 }
             }
         }
+        let obstacles = self.parts.len() - self.first_cell_part;
+        self.pair_with_cell = vec![0; self.first_cell_part * obstacles];
+        for (index, pair) in (0_u32..).zip(&self.pairs) {
+            if pair.b >= self.first_cell_part {
+                self.pair_with_cell[pair.a * obstacles + pair.b - self.first_cell_part] = index;
+            } else {
+                self.pairs_without_cell.push(index as usize);
+            }
+        }
+        let required = self.body_pairs.iter().map(|bodies| bodies.required);
+        self.widest_required = required.fold(APPROACH_MARGIN, f64::max);
+    }
+
+    /// The index of the pair of a part of the robot or the object and one of the cell.
+    pub(crate) fn pair_with_cell(&self, part: usize, obstacle: usize) -> usize {
+        let obstacles = self.parts.len() - self.first_cell_part;
+        self.pair_with_cell[part * obstacles + obstacle - self.first_cell_part] as usize
+    }
+
+    /// Calls with every pair of a part of the robot or the object that a box around it does not prove: with a
+    /// part of the cell that may be nearer to the box than required and [`GAP_SLACK`], or than that and `more`
+    /// (m). Also gives how much more than required and the slack the boxes are apart, m, minus infinity where
+    /// they touch or a number is NaN.
+    pub(crate) fn near_to_sweep(
+        &self,
+        stage: &Stage,
+        part: usize,
+        sweep: &Bounds,
+        more: f64,
+        mut found: impl FnMut(usize, f64),
+    ) {
+        let is_known = sweep.low.iter().chain(&sweep.high).all(|x| x.abs() < LARGEST_COORDINATE);
+        let nowhere = Bounds { low: Vector3::repeat(f64::NAN), high: Vector3::repeat(f64::NAN) };
+        let sweep = if is_known { sweep } else { &nowhere };
+        self.near_obstacles(sweep, self.widest_required + GAP_SLACK + more, |obstacle, apart| {
+            let pair = self.pair_with_cell(part, obstacle);
+            let required = stage.requirement(self, &self.pairs[pair]).required.max(0.0);
+            let room = if apart > 0.0 { apart - required - GAP_SLACK } else { f64::NEG_INFINITY };
+            if room <= more {
+                found(pair, room);
+            }
+        });
+    }
+
+    /// A part that stands still in the world.
+    pub(crate) fn still(&self, part: usize) -> Placed<'_> {
+        Placed { solid: &self.parts[part].solid, place: self.parts[part].mount.place }
+    }
+
+    /// Calls with every part of the cell that may be nearer to a box than `distance` (m), and with how far
+    /// apart their bounds are, m, or 0.
+    pub(crate) fn near_obstacles(&self, bounds: &Bounds, distance: f64, mut found: impl FnMut(usize, f64)) {
+        self.unbounded.iter().for_each(|&part| found(part, 0.0));
+        self.obstacles.near(bounds, distance, found);
     }
 
     /// Why two bodies of the robot are never judged against each other, if they are not: the reason of their

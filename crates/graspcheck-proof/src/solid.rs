@@ -107,14 +107,8 @@ impl Solid {
     /// All points within `radius` (m, not negative) of a core.
     #[must_use]
     pub fn new(core: Core, radius: f64) -> Self {
-        let core_radius = match &core {
-            Core::Point => 0.0,
-            Core::Segment { half_length } => *half_length,
-            Core::Box { half_extents } => half_extents.norm(),
-            Core::Cylinder { radius, half_length } => radius.hypot(*half_length),
-            Core::Points { points, .. } => points.iter().map(Vector3::norm).fold(0.0, f64::max),
-        };
-        Self { core, radius, bounding_radius: core_radius + radius }
+        let bounding_radius = core.bounding_radius() + radius;
+        Self { core, radius, bounding_radius }
     }
 
     /// The core.
@@ -133,24 +127,6 @@ impl Solid {
     #[must_use]
     pub fn bounding_radius(&self) -> f64 {
         self.bounding_radius
-    }
-
-    /// A bound on the distance of any point of the solid from the line through its origin along `axis` (of
-    /// length 1, in the solid's frame), m. It is reached, except by cylinders oblique to the axis.
-    #[must_use]
-    pub fn radial_extent(&self, axis: &Vector3<f64>) -> f64 {
-        let across = |p: &Vector3<f64>| p.cross(axis).norm();
-        let core = match &self.core {
-            Core::Point => 0.0,
-            Core::Segment { half_length } => across(&(Vector3::z() * *half_length)),
-            Core::Box { half_extents: h } => [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]]
-                .iter()
-                .map(|[x, y]| across(&Vector3::new(x * h.x, y * h.y, h.z)))
-                .fold(0.0, f64::max),
-            Core::Cylinder { radius, half_length } => radius + across(&(Vector3::z() * *half_length)),
-            Core::Points { points, .. } => points.iter().map(across).fold(0.0, f64::max),
-        };
-        core + self.radius
     }
 
     /// A smaller solid that stays in this one when a ball of radius `depth` (m) is added to every point of
@@ -204,6 +180,35 @@ impl Core {
             .fold(f64::INFINITY, f64::min);
         let is_solid = !triangles.is_empty() && inner_radius > 0.0;
         is_solid.then_some(Self::Points { points, inside, inner_radius })
+    }
+
+    /// The largest distance of a point of the core from its origin, m.
+    #[must_use]
+    pub fn bounding_radius(&self) -> f64 {
+        match self {
+            Self::Point => 0.0,
+            Self::Segment { half_length } => *half_length,
+            Self::Box { half_extents } => half_extents.norm(),
+            Self::Cylinder { radius, half_length } => radius.hypot(*half_length),
+            Self::Points { points, .. } => points.iter().map(Vector3::norm).fold(0.0, f64::max),
+        }
+    }
+
+    /// A bound on the distance of any point of the core from the line through its origin along `axis` (of
+    /// length 1, in the solid's frame), m. It is reached, except by cylinders oblique to the axis.
+    #[must_use]
+    pub fn radial_extent(&self, axis: &Vector3<f64>) -> f64 {
+        let across = |p: &Vector3<f64>| p.cross(axis).norm();
+        match self {
+            Self::Point => 0.0,
+            Self::Segment { half_length } => across(&(Vector3::z() * *half_length)),
+            Self::Box { half_extents: h } => [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]]
+                .iter()
+                .map(|[x, y]| across(&Vector3::new(x * h.x, y * h.y, h.z)))
+                .fold(0.0, f64::max),
+            Self::Cylinder { radius, half_length } => radius + across(&(Vector3::z() * *half_length)),
+            Self::Points { points, .. } => points.iter().map(across).fold(0.0, f64::max),
+        }
     }
 
     /// The point of the core that lies farthest along `direction` (any length, in the solid's frame), m.
@@ -266,6 +271,10 @@ fn across_z(v: &Vector3<f64>) -> f64 {
     (v.x * v.x + v.y * v.y).sqrt()
 }
 
+/// Farther from the world's origin than this, m, rounding is no longer far below [`GAP_SLACK`](crate::gap::GAP_SLACK), and nothing
+/// is certified.
+pub const LARGEST_COORDINATE: f64 = 1e4;
+
 /// A solid at a place in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'a> {
@@ -293,7 +302,21 @@ impl From<&Pose> for Place {
     }
 }
 
+impl Place {
+    /// Where something is that has a place in the frame of this one.
+    #[must_use]
+    pub fn then(&self, inner: &Self) -> Self {
+        Self { rotation: self.rotation * inner.rotation, center: self.center + self.rotation * inner.center }
+    }
+}
+
 impl Placed<'_> {
+    /// Whether all of it is nearer to the world's origin than [`LARGEST_COORDINATE`].
+    #[must_use]
+    pub fn is_near(&self) -> bool {
+        self.place.center.amax() + self.solid.bounding_radius() < LARGEST_COORDINATE
+    }
+
     /// How far the solid reaches from its origin along a direction n of length 1 in the world, m: its
     /// support function less `n·center`.
     #[must_use]
@@ -391,12 +414,11 @@ pub(crate) mod tests {
         let mut draw = Draw(2);
         for _ in 0..200 {
             for core in cores(&mut draw) {
-                let solid = Solid::new(core, 0.0);
                 let axis = Vector3::from_fn(|_, _| draw.between(-1.0, 1.0)).normalize();
                 for _ in 0..50 {
-                    let p = point_of(solid.core(), &mut draw);
-                    assert!(p.norm() <= solid.bounding_radius() + 1e-12);
-                    assert!(p.cross(&axis).norm() <= solid.radial_extent(&axis) + 1e-12);
+                    let p = point_of(&core, &mut draw);
+                    assert!(p.norm() <= core.bounding_radius() + 1e-12);
+                    assert!(p.cross(&axis).norm() <= core.radial_extent(&axis) + 1e-12);
                 }
             }
         }
@@ -404,7 +426,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_cylinder_about_the_axis_extends_by_its_radius() {
-        let rod = Solid::new(Core::Cylinder { radius: 0.01, half_length: 1.0 }, 0.0);
+        let rod = Core::Cylinder { radius: 0.01, half_length: 1.0 };
         assert!((rod.radial_extent(&Vector3::z()) - 0.01).abs() < 1e-15);
     }
 

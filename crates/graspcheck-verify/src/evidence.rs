@@ -360,10 +360,10 @@ mod tests {
         }
         let error = Evidence::from_recording(&edited(PLAN_JSON, "\"schema\":1,", "")).unwrap_err();
         assert!(error.to_string().contains("missing field `schema`"), "{error}");
-        let recording = edited(CERTIFICATE_JSON, "\"schema\":1", "\"schema\":7");
+        let recording = edited(CERTIFICATE_JSON, "\"schema\":2", "\"schema\":7");
         assert!(matches!(
             Evidence::from_recording(&recording),
-            Err(EvidenceError::UnknownSchema { name: CERTIFICATE_JSON, found: 7, known: 1 })
+            Err(EvidenceError::UnknownSchema { name: CERTIFICATE_JSON, found: 7, known: 2 })
         ));
     }
 

@@ -2,7 +2,7 @@
 
 use graspcheck_model::plan::Plan;
 use graspcheck_planner::{Candidate, PlanError, Planned};
-use graspcheck_proof::{Certificate, ProofOutcome, Scene, SceneError};
+use graspcheck_proof::{ProofOutcome, Scene, SceneError};
 use graspcheck_recording::{Attachment, Diagnostic, Event, Level, Recording};
 use graspcheck_scenario::Scenario;
 use graspcheck_sim::SimError;
@@ -120,8 +120,8 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
     };
     observer.done(Stage::Proved {
         outcome: certificate.outcome(),
-        pairs: certificate.pairs.len(),
-        leaves: leaf_count(&certificate),
+        pairs: certificate.pair_count,
+        leaves: certificate.leaf_count(),
         with_the_plan,
     });
 
@@ -162,10 +162,6 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
     });
     enter_verdict(&mut recording, &verdict);
     Ok(Run { recording, verdict, plan, candidates })
-}
-
-fn leaf_count(certificate: &Certificate) -> usize {
-    certificate.pairs.iter().map(|pair| pair.leaves.len()).sum()
 }
 
 /// The record `run`: what ran, in words.

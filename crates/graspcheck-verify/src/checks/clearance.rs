@@ -4,8 +4,8 @@
 
 use graspcheck_model::plan::Plan;
 use graspcheck_proof::{
-    Leaf, MarginBounds, PairCertificate, PairVerdict, ProofOutcome, Scene, certificate::CERTIFICATE_SCHEMA,
-    minimum::MARGIN_TOLERANCE,
+    Leaf, MarginBounds, PairCertificate, PairVerdict, ProofOutcome, Scene, Sweep,
+    certificate::CERTIFICATE_SCHEMA, minimum::MARGIN_TOLERANCE,
 };
 
 use crate::{
@@ -46,18 +46,14 @@ fn free(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
         return Err(Gap::inconclusive(None, "there is no pair of bodies that must keep apart"));
     };
     // The search for the least margin stops at a tolerance; the proof knows that it is not negative.
-    let proved = proof.certificate.pairs.iter().filter_map(|pair| match pair.verdict {
-        PairVerdict::Free { margin } => Some(margin),
-        _ => None,
-    });
-    let margin = bounds.lower.max(proved.fold(f64::INFINITY, f64::min));
+    let margin = bounds.lower.max(proof.certificate.proved_margin());
     let mut finding = Finding::at_least(margin + bounds.required, bounds.required, Unit::Meter)
         .at(bounds.time)
         .of([bounds.a, bounds.b])
         .during(bounds.phase)
         .noted(format!(
             "{} pairs of solids at every instant, {} steps of proof",
-            proof.certificate.pairs.len(),
+            proof.certificate.pair_count,
             proof.certificate.leaf_count()
         ));
     finding.value_is_bound = true;
@@ -138,28 +134,37 @@ pub(super) fn certificate(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
         return Err(Gap::inconclusive(None, note));
     }
     let found = &evidence.proof()?.certificate;
-    let pair_count = found.pairs.len().max(stored.pairs.len());
+    let pair_count = found.pair_count;
     if pair_count == 0 {
         return Err(Gap::inconclusive(None, "there is no pair of bodies to look at"));
     }
-    let mut different: Vec<usize> = (0..pair_count)
+    let listed = found.pairs.len().max(stored.pairs.len());
+    let mut different: Vec<usize> = (0..listed)
         .filter(|&index| match (stored.pairs.get(index), found.pairs.get(index)) {
             (Some(stored), Some(found)) => !same_pair(stored, found),
             _ => true,
         })
         .collect();
-    if different.is_empty() && !same(stored.duration, found.duration) {
-        different = (0..pair_count).collect();
+    let all_alike = same(stored.duration, found.duration)
+        && stored.pair_count == pair_count
+        && stored.sweeps.len() == found.sweeps.len()
+        && stored.sweeps.iter().zip(&found.sweeps).all(|(stored, found)| same_sweep(stored, found));
+    if different.is_empty() && !all_alike {
+        // What concerns many pairs may concern each of them.
+        different = (0..listed).collect();
     }
-    let finding = Finding::at_most(different.len() as f64, 0.0, Unit::Count);
-    let Some(&first) = different.first() else {
+    let count = if all_alike { different.len() } else { different.len().max(1) };
+    let finding = Finding::at_most(count as f64, 0.0, Unit::Count);
+    if count == 0 {
         return Ok(finding.noted(format!("the proofs of {pair_count} pairs are the same")));
-    };
-    let pair =
-        found.pairs.get(first).or(stored.pairs.get(first)).expect("the index is below the larger length");
+    }
     let note = "the recording's proof is not the one that its plan, robot and cell give; \
                 was the recording changed?";
-    Ok(finding.of([pair.a.as_str(), pair.b.as_str()]).noted(note))
+    let first = different.first().and_then(|&first| found.pairs.get(first).or(stored.pairs.get(first)));
+    Ok(match first {
+        Some(pair) => finding.of([pair.a.as_str(), pair.b.as_str()]).noted(note),
+        None => finding.noted(note),
+    })
 }
 
 fn same(a: f64, b: f64) -> bool {
@@ -200,6 +205,15 @@ fn same_leaf(stored: &Leaf, found: &Leaf) -> bool {
         [leaf.start, leaf.end, x, y, z, leaf.gap, leaf.loss, leaf.required]
     };
     numbers(stored).into_iter().zip(numbers(found)).all(|(stored, found)| same(stored, found))
+}
+
+fn same_sweep(stored: &Sweep, found: &Sweep) -> bool {
+    let numbers = |sweep: &Sweep| {
+        let ([a, b, c], [d, e, f]) = (sweep.min, sweep.max);
+        [sweep.start, sweep.end, a, b, c, d, e, f]
+    };
+    (&stored.body, stored.part) == (&found.body, found.part)
+        && numbers(stored).into_iter().zip(numbers(found)).all(|(stored, found)| same(stored, found))
 }
 
 #[cfg(test)]
