@@ -76,6 +76,13 @@ macro_rules! with_form {
 ///
 /// The bounds hold for the exact values of the polynomial with these coefficients and for what
 /// [`Polynomial::eval`] computes. They are NaN, or the infinite interval, when `h` or a product overflows.
+///
+/// ```
+/// use graspcheck_motion::{Polynomial, bernstein};
+/// // The coefficients of 3τ² - 2τ³ on [0, 1] are 0, 0, 1, 1: here the bounds are the range.
+/// let [low, high] = bernstein::bounds(&Polynomial::new([0.0, 0.0, 3.0, -2.0]), 0, 1.0);
+/// assert!(low <= 0.0 && low > -1e-12 && high >= 1.0 && high < 1.0 + 1e-12);
+/// ```
 #[must_use]
 pub fn bounds(polynomial: &Polynomial, order: usize, h: f64) -> [f64; 2] {
     with_form!(polynomial, order, h, form => {
@@ -117,6 +124,13 @@ pub fn enclose(polynomial: &Polynomial, a: f64, b: f64) -> [Interval; 4] {
 
 /// Whether the derivative of the given order stays within `[lower, upper]` on `[0, h]`, proved by
 /// subdivision. `Within` and `Outside` are proofs, also against rounding.
+///
+/// ```
+/// use graspcheck_motion::{Polynomial, bernstein::{Proof, proves_within}};
+/// let p = Polynomial::new([0.0, 1.0, -1.0]); // τ - τ², at most 1/4
+/// assert_eq!(proves_within(&p, 0, 1.0, -0.1, 0.26), Proof::Within);
+/// assert!(matches!(proves_within(&p, 0, 1.0, -0.1, 0.24), Proof::Outside { .. }));
+/// ```
 #[must_use]
 pub fn proves_within(polynomial: &Polynomial, order: usize, h: f64, lower: f64, upper: f64) -> Proof {
     if lower.is_nan() || upper.is_nan() {

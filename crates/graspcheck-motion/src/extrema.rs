@@ -80,6 +80,12 @@ impl Polynomial {
     ///
     /// `a` and `b` are local times in s; either may be the smaller. When an end, or a value on the way, is
     /// NaN, so is the result: no comparison with a limit then holds.
+    ///
+    /// ```
+    /// // τ - τ² on two seconds: highest at 0.5, lowest at the end.
+    /// let [low, high] = graspcheck_motion::Polynomial::new([0.0, 1.0, -1.0]).range(0, 0.0, 2.0);
+    /// assert_eq!((high.value, high.tau, low.value, low.tau), (0.25, 0.5, -2.0, 2.0));
+    /// ```
     #[must_use]
     pub fn range(&self, order: usize, a: f64, b: f64) -> [Extremum; 2] {
         self.monotone(order, a, b).range()
@@ -87,6 +93,12 @@ impl Polynomial {
 
     /// As [`Polynomial::range`] for position, velocity, acceleration and jerk at once: entry `k` belongs to
     /// the `k`-th derivative. It takes no longer than the range of the position alone.
+    ///
+    /// ```
+    /// let p = graspcheck_motion::Polynomial::new([0.0, 0.0, 3.0, -2.0]);
+    /// let [q, qd, qdd, qddd] = p.ranges(0.0, 1.0);
+    /// assert_eq!([q, qd, qdd, qddd].map(|range| range[1].value), [1.0, 1.5, 6.0, -12.0]);
+    /// ```
     #[must_use]
     pub fn ranges(&self, a: f64, b: f64) -> [[Extremum; 2]; 4] {
         self.ranges_from::<4>(0, a, b)
@@ -94,6 +106,11 @@ impl Polynomial {
 
     /// As [`Polynomial::range`] for velocity, acceleration and jerk at once, in this order: what limits are
     /// held against. It takes no longer than the range of the velocity alone.
+    ///
+    /// ```
+    /// let p = graspcheck_motion::Polynomial::new([0.0, 0.0, 3.0, -2.0]);
+    /// assert_eq!(p.rate_ranges(0.0, 1.0).map(|[low, _]| low.value), [0.0, -6.0, -12.0]);
+    /// ```
     #[must_use]
     pub fn rate_ranges(&self, a: f64, b: f64) -> [[Extremum; 2]; 3] {
         self.ranges_from::<3>(1, a, b)
@@ -146,6 +163,10 @@ impl Polynomial {
     /// The value of a polynomial of this degree at `tau`.
     #[inline]
     pub(crate) fn value(&self, degree: usize, tau: f64) -> f64 {
+        if degree <= 3 {
+            let [a, b, c, d, ..] = *self.coefficients();
+            return ((d * tau + c) * tau + b) * tau + a;
+        }
         self.coefficients()[..=degree].iter().rev().fold(0.0, |value, c| value * tau + c)
     }
 }
@@ -184,18 +205,27 @@ fn cut_at_roots(monotone: &Monotone, degree: usize, taus: &mut [f64; MAX_POINTS]
 /// Algorithms*, section 5.1), and 2u more for coefficients and radius that are rounded themselves.
 #[inline]
 fn rounding_error(function: &Polynomial, degree: usize, radius: f64) -> f64 {
-    let sum = function.coefficients()[..=degree].iter().rev().fold(0.0, |sum, c| sum * radius + c.abs());
+    let [a, b, c, d, e, high @ ..] = *function.coefficients();
+    let square = radius * radius;
+    let mut sum = (a.abs() + b.abs() * radius) + square * ((c.abs() + d.abs() * radius) + square * e.abs());
+    if degree > 4 {
+        let [f, g, h] = high.map(f64::abs);
+        sum += (f * radius + square * (g + h * radius)) * square * square;
+    }
     (degree + 1) as f64 * f64::EPSILON * sum
 }
 
 /// The root of a function of this degree that is monotone between two points at which it has values of
-/// opposite sign: in closed form up to degree 2, else by Newton's method kept inside the bracket.
+/// opposite sign: in closed form up to degree 2, else by Halley's method kept inside the bracket.
 #[inline]
 pub(crate) fn root_between(function: &Polynomial, degree: usize, start: Extremum, end: Extremum) -> f64 {
     let root = match degree {
         0 | 1 => start.tau - start.value * ((end.tau - start.tau) / (end.value - start.value)),
         2 => quadratic_root(function, start, end),
-        _ => newton_root(function, degree, start, end),
+        // The number of coefficients is a constant, so that every loop over them is unrolled.
+        3 | 4 => halley_root::<5>(function, start, end),
+        5 => halley_root::<6>(function, start, end),
+        _ => halley_root::<{ MAX_DEGREE + 1 }>(function, start, end),
     };
     // Rounding may push it out by one unit in the last place.
     root.max(start.tau).min(end.tau)
@@ -212,30 +242,33 @@ fn quadratic_root(function: &Polynomial, start: Extremum, end: Extremum) -> f64 
     start.tau - 2.0 * start.value / denominator
 }
 
-/// Newton's method with bisection as its safeguard (Press et al., *Numerical Recipes*, section 9.4).
-fn newton_root(function: &Polynomial, degree: usize, start: Extremum, end: Extremum) -> f64 {
-    /// Newton's method squares the error: after a step this small, relative to the bracket, what is left
-    /// is below rounding.
-    const LAST_STEP: f64 = 1e-8;
+/// Halley's method, which takes the curvature into account, with bisection as its safeguard (as for Newton's method
+/// in Press et al., *Numerical Recipes*, section 9.4). N is the number of coefficients that count.
+fn halley_root<const N: usize>(function: &Polynomial, start: Extremum, end: Extremum) -> f64 {
+    /// The method cubes the error: after a step this small, relative to the bracket, what is left is below
+    /// rounding.
+    const LAST_STEP: f64 = 1e-6;
     /// Bisection alone meets the spacing of floats within as many steps as a float has bits.
     const MAX_STEPS: usize = 128;
 
     let last_step = LAST_STEP * (end.tau - start.tau);
     let rising = start.value < 0.0;
     let [mut low, mut high] = [start.tau, end.tau];
-    let mut tau = 0.5 * (low + high);
+    // Where the chord is zero: nearer than the middle, also where the slope is zero at both ends.
+    let chord = low - start.value * ((high - low) / (end.value - start.value));
+    let mut tau = if chord > low && chord < high { chord } else { 0.5 * (low + high) };
     let mut step_before = high - low;
     for _ in 0..MAX_STEPS {
-        let [value, slope] = value_and_slope(function, degree, tau);
+        let [value, slope, half_curvature] = value_slope_curvature::<N>(function, tau);
         if (value < 0.0) == rising {
             low = tau;
         } else {
             high = tau;
         }
-        let newton = tau - value / slope;
+        let halley = tau - value * slope / (slope * slope - value * half_curvature);
         // At the root itself the step is zero. False for NaN as well, which a slope of zero makes.
-        let converges = newton >= low && newton <= high && (newton - tau).abs() <= 0.5 * step_before;
-        let next = if converges { newton } else { 0.5 * (low + high) };
+        let converges = halley >= low && halley <= high && (halley - tau).abs() <= 0.5 * step_before;
+        let next = if converges { halley } else { 0.5 * (low + high) };
         let step = (next - tau).abs();
         tau = next;
         if step == 0.0 || (converges && step <= last_step) {
@@ -246,15 +279,24 @@ fn newton_root(function: &Polynomial, degree: usize, start: Extremum, end: Extre
     tau
 }
 
+/// The value, the first derivative, and half the second of a polynomial of N coefficients.
 #[inline]
-fn value_and_slope(function: &Polynomial, degree: usize, tau: f64) -> [f64; 2] {
-    let mut value = 0.0;
-    let mut slope = 0.0;
-    for c in function.coefficients()[..=degree].iter().rev() {
+fn value_slope_curvature<const N: usize>(function: &Polynomial, tau: f64) -> [f64; 3] {
+    if N <= 5 {
+        // By pairs (Estrin's scheme): the sums do not wait for each other.
+        let [a, b, c, d, e, ..] = *function.coefficients();
+        let square = tau * tau;
+        let value = (a + b * tau) + square * ((c + d * tau) + square * e);
+        let slope = (b + 2.0 * c * tau) + square * (3.0 * d + 4.0 * e * tau);
+        return [value, slope, (c + 3.0 * d * tau) + 6.0 * e * square];
+    }
+    let [mut value, mut slope, mut half_curvature] = [0.0; 3];
+    for &c in function.coefficients()[..N].iter().rev() {
+        half_curvature = half_curvature * tau + slope;
         slope = slope * tau + value;
         value = value * tau + c;
     }
-    [value, slope]
+    [value, slope, half_curvature]
 }
 
 #[cfg(test)]

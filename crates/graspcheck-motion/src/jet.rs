@@ -91,6 +91,13 @@ impl<S: Scalar, const N: usize> Jet<S, N> {
     }
 
     /// The value and its derivatives, in order.
+    ///
+    /// ```
+    /// use graspcheck_motion::Jet;
+    /// // x³ at 2: 8, 12, 12, 6.
+    /// let x = Jet::<f64, 4>::variable(2.0);
+    /// assert_eq!((x * x * x).derivatives(), [8.0, 12.0, 12.0, 6.0]);
+    /// ```
     #[must_use]
     pub fn derivatives(&self) -> [S; N] {
         let mut factorial = 1.0;
@@ -102,6 +109,12 @@ impl<S: Scalar, const N: usize> Jet<S, N> {
 
     /// A polynomial of the variable whose value is `at`: [`Jet::polynomial`] of [`Jet::variable`], at a cost
     /// that is linear in `N`.
+    ///
+    /// ```
+    /// use graspcheck_motion::{Jet, Polynomial};
+    /// let jet = Jet::<f64, 3>::of_polynomial(&Polynomial::new([1.0, 2.0, 3.0]), 1.0);
+    /// assert_eq!(jet.derivatives(), [6.0, 8.0, 6.0]);
+    /// ```
     #[must_use]
     pub fn of_polynomial(polynomial: &Polynomial, at: S) -> Self {
         let mut value = Self::constant(S::from(0.0));
@@ -115,6 +128,12 @@ impl<S: Scalar, const N: usize> Jet<S, N> {
     }
 
     /// The coefficients from the first on: the derivative of the quantity. The last one is lost and is zero.
+    ///
+    /// ```
+    /// use graspcheck_motion::Jet;
+    /// let x = Jet::<f64, 4>::variable(2.0);
+    /// assert_eq!((x * x).derivative().derivatives(), [4.0, 2.0, 0.0, 0.0]); // 2x
+    /// ```
     #[must_use]
     pub fn derivative(&self) -> Self {
         let coefficients = array::from_fn(|k| {
@@ -126,6 +145,14 @@ impl<S: Scalar, const N: usize> Jet<S, N> {
 
 impl<S: Real, const N: usize> Jet<S, N> {
     /// A polynomial of this quantity, by Horner's scheme.
+    ///
+    /// ```
+    /// use graspcheck_motion::{Jet, Polynomial};
+    /// // (x²)² + 1 at 1: 2, 4, 12.
+    /// let x = Jet::<f64, 3>::variable(1.0);
+    /// let found = (x * x).polynomial(&Polynomial::new([1.0, 0.0, 1.0]));
+    /// assert_eq!(found.derivatives(), [2.0, 4.0, 12.0]);
+    /// ```
     #[must_use]
     pub fn polynomial(self, polynomial: &Polynomial) -> Self {
         let degree = polynomial.degree();
@@ -140,6 +167,13 @@ impl<S: Real, const N: usize> Jet<S, N> {
     }
 
     /// The quantity whose derivative is this one and whose value is `value`: the last coefficient is lost.
+    ///
+    /// ```
+    /// use graspcheck_motion::Jet;
+    /// // The integral of 2x is x² and 5 more.
+    /// let x = Jet::<f64, 3>::variable(3.0);
+    /// assert_eq!((x + x).integral(14.0).derivatives(), [14.0, 6.0, 2.0]);
+    /// ```
     #[must_use]
     pub fn integral(&self, value: S) -> Self {
         let coefficients =
@@ -165,6 +199,14 @@ impl<S: Real, const N: usize> Jet<S, N> {
 
 /// The polynomial in `d` from −r to r, r half the width of X, that contains a quantity over X: the
 /// coefficients of its jet at the middle of X, the last of its jet over the whole of X.
+///
+/// ```
+/// use graspcheck_motion::{Interval, Jet, taylor_model};
+/// // x² on [0, 2]: (1 + d)² for d in [-1, 1], in which every coefficient is an interval.
+/// let square = |x: Interval| { let x = Jet::<Interval, 3>::variable(x); x * x };
+/// let model = taylor_model(&square(Interval::point(1.0)), &square(Interval::between(0.0, 2.0)));
+/// assert!(model[0].contains(1.0) && model[1].contains(2.0) && model[2].contains(1.0));
+/// ```
 #[must_use]
 pub fn taylor_model<const N: usize>(
     at_middle: &Jet<Interval, N>,

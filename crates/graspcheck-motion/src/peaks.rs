@@ -35,6 +35,16 @@ impl Trajectory {
     ///
     /// NaN when coefficients are so large that evaluation overflows: no comparison with a limit then holds.
     ///
+    /// ```
+    /// use graspcheck_motion::{Polynomial, Trajectory};
+    /// let pieces = vec![Polynomial::new([0.0, 0.0, 1.0]), Polynomial::new([1.0, 2.0, -2.0])];
+    /// let motion = Trajectory::new(1, vec![0.0, 1.0, 2.0], pieces)?;
+    /// // The deceleration, -4 from 1 s on, is larger than the acceleration of 2.
+    /// let peak = motion.peak(0, 2);
+    /// assert_eq!((peak.value, peak.time), (-4.0, 1.0));
+    /// # Ok::<(), graspcheck_motion::TrajectoryError>(())
+    /// ```
+    ///
     /// # Panics
     /// When `joint` is out of range.
     #[must_use]
@@ -44,6 +54,15 @@ impl Trajectory {
 
     /// As [`Trajectory::peak`] on the stretch from `t0` to `t1`, s: at `t0` the limit from the right
     /// counts, at `t1` the limit from the left, at knots between them both.
+    ///
+    /// ```
+    /// use graspcheck_motion::{Polynomial, Trajectory};
+    /// let pieces = vec![Polynomial::new([0.0, 0.0, 1.0]), Polynomial::new([1.0, 2.0, -2.0])];
+    /// let motion = Trajectory::new(1, vec![0.0, 1.0, 2.0], pieces)?;
+    /// assert_eq!(motion.peaks_in(0, 2, 0.0, 1.0).value, 2.0); // from the left at 1 s
+    /// assert_eq!(motion.peaks_in(0, 2, 1.0, 1.0).value, -4.0); // from the right
+    /// # Ok::<(), graspcheck_motion::TrajectoryError>(())
+    /// ```
     ///
     /// # Panics
     /// When `joint` is out of range, or not `0 ≤ t0 ≤ t1 ≤ duration`.
@@ -69,6 +88,15 @@ impl Trajectory {
 
     /// The least and the greatest position of a joint between `t0` and `t1`, rad or m.
     ///
+    /// ```
+    /// use graspcheck_motion::{Polynomial, Trajectory};
+    /// let pieces = vec![Polynomial::new([0.0, 0.0, 1.0]), Polynomial::new([1.0, 2.0, -2.0])];
+    /// let motion = Trajectory::new(1, vec![0.0, 1.0, 2.0], pieces)?;
+    /// // 1 + 2τ - 2τ² rises to 1.5 at 1.5 s and falls to 1.
+    /// assert_eq!(motion.position_range(0, 0.0, 2.0), [0.0, 1.5]);
+    /// # Ok::<(), graspcheck_motion::TrajectoryError>(())
+    /// ```
+    ///
     /// # Panics
     /// When `joint` is out of range, or not `0 ≤ t0 ≤ t1 ≤ duration`.
     #[must_use]
@@ -79,6 +107,15 @@ impl Trajectory {
 
     /// The least and the greatest value of a joint's derivative between `t0` and `t1`, each with the time at
     /// which it is taken, s. One-sided values count as in [`Trajectory::peaks_in`].
+    ///
+    /// ```
+    /// use graspcheck_motion::{Polynomial, Trajectory};
+    /// let pieces = vec![Polynomial::new([0.0, 0.0, 1.0]), Polynomial::new([1.0, 2.0, -2.0])];
+    /// let motion = Trajectory::new(1, vec![0.0, 1.0, 2.0], pieces)?;
+    /// let [low, high] = motion.range_in(0, 1, 0.0, 2.0);
+    /// assert_eq!((low.value, low.time, high.value, high.time), (-2.0, 2.0, 2.0, 1.0));
+    /// # Ok::<(), graspcheck_motion::TrajectoryError>(())
+    /// ```
     ///
     /// # Panics
     /// When `joint` is out of range, or not `0 ≤ t0 ≤ t1 ≤ duration`.
@@ -108,6 +145,15 @@ impl Trajectory {
     ///
     /// Where evaluation overflows the derivative counts as outside; so does everything when not
     /// `lower ≤ upper`.
+    ///
+    /// ```
+    /// use graspcheck_motion::{Polynomial, Trajectory};
+    /// let pieces = vec![Polynomial::new([0.0, 0.0, 1.0]), Polynomial::new([1.0, 2.0, -2.0])];
+    /// let motion = Trajectory::new(1, vec![0.0, 1.0, 2.0], pieces)?;
+    /// // The velocity is 2t up to 1 s, then 2 - 4τ: above 1 from 0.5 s to 1.25 s, never below -3.
+    /// assert_eq!(motion.exceeds(0, 1, -3.0, 1.0), [[0.5, 1.25]]);
+    /// # Ok::<(), graspcheck_motion::TrajectoryError>(())
+    /// ```
     ///
     /// # Panics
     /// When `joint` is out of range.

@@ -232,6 +232,12 @@ impl Trajectory {
 
     /// All joints at rest at `q` for `duration` seconds.
     ///
+    /// ```
+    /// let rest = graspcheck_motion::Trajectory::hold(&[0.1, 0.2], 3.0)?;
+    /// assert_eq!((rest.dof(), rest.duration(), rest.eval(1.5).q), (2, 3.0, vec![0.1, 0.2]));
+    /// # Ok::<(), graspcheck_motion::TrajectoryError>(())
+    /// ```
+    ///
     /// # Errors
     /// When `q` is empty or not finite, or `duration` is not positive.
     pub fn hold(q: &[f64], duration: f64) -> Result<Self, TrajectoryError> {
@@ -240,6 +246,15 @@ impl Trajectory {
 
     /// This motion and then `next`, moved in time to begin where this one ends. Where the two do not
     /// fit together the joint is a [`Break`].
+    ///
+    /// ```
+    /// use graspcheck_motion::{Polynomial, Trajectory};
+    /// // Joined where they do not fit, two motions have a break that says by how much.
+    /// let ramp = Trajectory::new(1, vec![0.0, 1.0], vec![Polynomial::new([0.0, 2.0])])?;
+    /// let joined = ramp.then(&Trajectory::hold(&[2.0], 1.0)?)?;
+    /// assert_eq!((joined.breaks()[0].order, joined.breaks()[0].jump[0]), (1, -2.0));
+    /// # Ok::<(), graspcheck_motion::TrajectoryError>(())
+    /// ```
     ///
     /// # Errors
     /// When the numbers of joints differ.
@@ -351,6 +366,15 @@ impl Trajectory {
 
     /// As [`Trajectory::eval_into`] for any `t` at or after 0: after the end the last position is held
     /// at rest.
+    ///
+    /// ```
+    /// use graspcheck_motion::{MotionState, Polynomial, Trajectory};
+    /// let ramp = Trajectory::new(1, vec![0.0, 1.0], vec![Polynomial::new([0.0, 2.0])])?;
+    /// let mut state = MotionState::zeros(1);
+    /// ramp.eval_held(5.0, &mut state);
+    /// assert_eq!((state.q[0], state.qd[0]), (2.0, 0.0));
+    /// # Ok::<(), graspcheck_motion::TrajectoryError>(())
+    /// ```
     ///
     /// # Panics
     /// When `t` is negative or not a number, or `state` was made for another number of joints.

@@ -82,6 +82,14 @@ fn four_laws(criterion: &mut Criterion) {
         let limits = RateLimits { velocity: 10.0, acceleration: 10.0, jerk: 30.0 };
         bencher.iter(|| JointLaw::s_curve([0.0, black_box(7.0)], [10.0, 0.0], limits).expect("a law"));
     });
+    let (start, end) = ([0.0, 6.0, 2.0], [10.0, 1.0, -3.0]);
+    let limits = RateLimits { velocity: 10.0, acceleration: 10.0, jerk: 30.0 };
+    criterion.bench_function("1 law between accelerating ends", |bencher| {
+        bencher.iter(|| JointLaw::fastest(black_box(start), end, limits).expect("a law"));
+    });
+    criterion.bench_function("1 law of exact duration between accelerating ends", |bencher| {
+        bencher.iter(|| JointLaw::lasting(black_box(start), end, limits, 3.0).expect("a law"));
+    });
 }
 
 fn evaluation(criterion: &mut Criterion) {

@@ -17,6 +17,20 @@ pub const MARGIN: f64 = 1e-10;
 /// `share` of its limits of velocity, acceleration and jerk (below 1 when the motion is slower than
 /// need be); 0 when nothing moves.
 ///
+/// ```
+/// use graspcheck_model::robot::JointLimits;
+/// use graspcheck_motion::{Polynomial, Trajectory};
+/// use graspcheck_planner::retime::least_factor;
+/// let swing = Polynomial::quintic_hermite([0.0; 3], [1.0, 0.0, 0.0], 1.0);
+/// let motion = Trajectory::new(1, vec![0.0, 1.0], vec![swing])?;
+/// // It peaks at 15/8; three quarters of 5 allow it to be twice as fast.
+/// let limits = JointLimits {
+///     position_min: -9.0, position_max: 9.0, velocity: 5.0, acceleration: 1e3, jerk: 1e4, effort: 1.0,
+/// };
+/// assert!((least_factor(&motion, &[limits], 0.75) - 0.5).abs() < 1e-9);
+/// # Ok::<(), graspcheck_motion::TrajectoryError>(())
+/// ```
+///
 /// # Panics
 /// When there are fewer limits than joints.
 #[must_use]
@@ -33,6 +47,18 @@ pub fn least_factor(motion: &Trajectory, limits: &[JointLimits], share: f64) -> 
 
 /// `motion` with all times multiplied by `factor`.
 ///
+/// ```
+/// use graspcheck_motion::{Polynomial, Trajectory};
+/// use graspcheck_planner::retime::stretched;
+/// let swing = Polynomial::quintic_hermite([0.0; 3], [1.0, 0.0, 0.0], 1.0);
+/// let motion = Trajectory::new(1, vec![0.0, 1.0], vec![swing])?;
+/// // Twice as long: half the velocity, a quarter of the acceleration, an eighth of the jerk.
+/// let slow = stretched(&motion, 2.0)?;
+/// assert_eq!((slow.duration(), slow.eval(1.0).qd[0]), (2.0, 15.0 / 16.0));
+/// assert_eq!(slow.eval(0.0).qddd[0], 60.0 / 8.0);
+/// # Ok::<(), graspcheck_motion::TrajectoryError>(())
+/// ```
+///
 /// # Errors
 /// When the factor is not positive or so extreme that knots or coefficients are no longer finite.
 pub fn stretched(motion: &Trajectory, factor: f64) -> Result<Trajectory, TrajectoryError> {
@@ -40,6 +66,17 @@ pub fn stretched(motion: &Trajectory, factor: f64) -> Result<Trajectory, Traject
 }
 
 /// `motion` stretched or compressed so that it lasts exactly `duration` seconds.
+///
+/// ```
+/// use graspcheck_motion::{Polynomial, Trajectory};
+/// use graspcheck_planner::retime::lasting;
+/// let swing = Polynomial::quintic_hermite([0.0; 3], [1.0, 0.0, 0.0], 1.0);
+/// let motion = Trajectory::new(1, vec![0.0, 1.0], vec![swing])?;
+/// let motion = lasting(&motion, 0.3)?;
+/// assert_eq!(motion.duration(), 0.3);
+/// assert!((motion.eval(0.3).q[0] - 1.0).abs() < 1e-15);
+/// # Ok::<(), graspcheck_motion::TrajectoryError>(())
+/// ```
 ///
 /// # Errors
 /// When the duration is not positive or not finite.

@@ -10,6 +10,8 @@
 //! | [`JointLaw::septic`] | position, velocity, acceleration, jerk | given |
 //! | [`JointLaw::trapezoid`] | position, velocity | the least under V, A |
 //! | [`JointLaw::s_curve`] | position, velocity; no acceleration | the least under V, A, J |
+//! | [`JointLaw::fastest`] | position, velocity, acceleration | the least under V, A, J |
+//! | [`JointLaw::lasting`] | position, velocity, acceleration | given, under V, A, J |
 //! | [`JointLaw::along`] | positions, at rest | that of any [`TimeScaling`] |
 //!
 //! The laws of several joints that end together become one motion by [`together`].
@@ -22,11 +24,14 @@ use crate::time_scaling::{
     pieces::Pieces,
 };
 
-mod faster;
+mod extremal;
+mod fastest;
+mod lasting;
 mod polynomial;
 mod s_curve;
 mod together;
 mod trapezoid;
+mod turned;
 
 pub use together::{TogetherError, together};
 
@@ -65,23 +70,18 @@ impl JointLaw {
     /// # Errors
     /// When a position is not finite, or a coefficient overflows.
     pub fn along(from: f64, to: f64, scaling: &TimeScaling) -> Result<Self, ScalingError> {
-        let ratio = distance_between(from, to)? / scaling.distance();
-        let half = 0.5 * scaling.distance();
-        let pieces = scaling.pieces_in_place().map(|s| {
-            let s_start = s.coefficients()[0];
-            let mut q = s.coefficients().map(|c| ratio * c);
-            // Counted from the nearer end, so that rounding moves neither.
-            q[0] = if s_start < half {
-                from + ratio * s_start
-            } else {
-                to + ratio * (s_start - scaling.distance())
-            };
-            Polynomial::new(q)
-        });
-        Self::new(to - from, scaling.duration(), pieces)
+        let distance = distance_between(from, to)?;
+        let pieces = scaling.profile().pieces(from, to, scaling.duration());
+        Self::new(distance, scaling.duration(), pieces)
     }
 
     /// At rest at `q`, rad or m, for `duration`, s.
+    ///
+    /// ```
+    /// use graspcheck_planner::joint_law::JointLaw;
+    /// assert_eq!(JointLaw::rest(0.7, 2.0)?.eval(1.0), [0.7, 0.0, 0.0, 0.0]);
+    /// # Ok::<(), graspcheck_planner::time_scaling::ScalingError>(())
+    /// ```
     ///
     /// # Errors
     /// When `q` is not finite, or `duration` is not positive and finite.
@@ -157,8 +157,17 @@ impl JointLaw {
     }
 
     /// When each piece begins, s, and its polynomial in the local time that is 0 there.
+    ///
+    /// ```
+    /// use graspcheck_planner::{joint_law::JointLaw, time_scaling::TimeScaling};
+    /// // Up for 1 s, down for 1 s: each piece counts its own time.
+    /// let law = JointLaw::along(0.0, 1.0, &TimeScaling::bang_bang(1.0, 1.0)?)?;
+    /// let pieces: Vec<_> = law.pieces().map(|(start, p)| (start, p.eval(0.0)[1])).collect();
+    /// assert_eq!(pieces, [(0.0, 0.0), (1.0, 1.0)]);
+    /// # Ok::<(), graspcheck_planner::time_scaling::ScalingError>(())
+    /// ```
     pub fn pieces(&self) -> impl ExactSizeIterator<Item = (f64, Polynomial)> {
-        self.pieces.iter().map(|(start, polynomial)| (self.start_time + start, *polynomial))
+        self.pieces.iter().map(|(start, polynomial)| (self.start_time + start, polynomial))
     }
 
     /// The least and the greatest value of position (order 0), velocity (1), acceleration (2) or jerk (3) and
@@ -196,11 +205,18 @@ impl JointLaw {
 
     /// The motion of one joint by this law; it begins at 0, as every trajectory does.
     ///
+    /// ```
+    /// use graspcheck_planner::joint_law::JointLaw;
+    /// let motion = JointLaw::cubic([0.0, 0.0], [1.0, 0.0], 2.0)?.trajectory()?;
+    /// assert_eq!((motion.duration(), motion.peak(0, 1).value), (2.0, 0.75));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// When the duration is 0.
     pub fn trajectory(&self) -> Result<Trajectory, TrajectoryError> {
         let knots = self.pieces.starts().iter().copied().chain([self.duration]).collect();
-        Trajectory::new(1, knots, self.pieces.iter().map(|(_, polynomial)| *polynomial).collect())
+        Trajectory::new(1, knots, self.pieces.iter().map(|(_, polynomial)| polynomial).collect())
     }
 
     /// The pieces in the time that is 0 at the beginning.

@@ -104,6 +104,98 @@ fn bad_input_says_what_would_do() {
 }
 
 #[test]
+fn states_beyond_limits_say_what_would_do() {
+    let sound = limits(1.0, 2.0, 10.0);
+    let message = |law: Result<JointLaw, ScalingError>| law.unwrap_err().to_string();
+    for (law, expected) in [
+        (
+            JointLaw::fastest([0.0, 0.0, -3.0], [1.0, 0.0, 0.0], sound),
+            "start acceleration -3 is beyond the limit 2: raise the limit to 3, or lower the acceleration before",
+        ),
+        (
+            JointLaw::fastest([0.0, 0.95, 2.0], [1.0, 0.0, 0.0], sound),
+            "start velocity 0.95 with acceleration 2: the velocity reaches 1.15 with the greatest jerk, beyond the limit 1: \
+             the acceleration may be at most 1.0000000000000004",
+        ),
+        (
+            JointLaw::lasting([0.0; 3], [2.0, 0.0, 0.0], limits(1.0, 1.0, 1.0), 3.5),
+            "duration 3.5 s cannot be met: the least duration is 4 s, the nearest is 4 s",
+        ),
+        (
+            JointLaw::lasting([0.0; 3], [1.0, 0.0, 0.0], sound, f64::NAN),
+            "duration NaN must be a positive finite number",
+        ),
+    ] {
+        assert_eq!(message(law), expected);
+    }
+    // Backwards in time the end is a start: there an acceleration that has just slowed the joint came from beyond.
+    assert!(JointLaw::fastest([0.0; 3], [1.0, 0.95, 2.0], sound).is_ok());
+    assert!(matches!(
+        JointLaw::fastest([0.0; 3], [1.0, 0.95, -2.0], sound),
+        Err(ScalingError::BoundaryReach { end: "end", .. })
+    ));
+}
+
+#[test]
+fn the_simplest_laws_between_accelerating_ends() {
+    let sound = limits(10.0, 2.0, 4.0);
+    // No way to go: no time.
+    let none = JointLaw::fastest([0.3, 1.0, -1.0], [0.3, 1.0, -1.0], sound).unwrap();
+    assert_eq!((none.duration(), none.pieces().len()), (0.0, 1));
+    // One arc of jerk from -1 to 2 in 3/4 s, and the same backwards: v = v₀ + a t + J t²/2.
+    for sign in [1.0, -1.0] {
+        let t: f64 = 0.75;
+        let end = [t - 0.5 * t * t + 4.0 / 6.0 * t.powi(3), 1.0 - t + 2.0 * t * t, 2.0];
+        let law = JointLaw::fastest([0.0, sign, -sign], end.map(|x| sign * x), sound).unwrap();
+        assert!((law.duration() - t).abs() < 1e-12, "{law:?}");
+        let [low, high] = law.range(3);
+        assert!((low.value - 4.0 * sign).abs() < 1e-9 && (high.value - 4.0 * sign).abs() < 1e-9, "{law:?}");
+    }
+    // A dip of the acceleration from 2 to 1 and back in 0.5 s, which gains 0.75 on the velocity.
+    let covered = 2.0 * 0.25 + 0.5 * 2.0 * 0.0625 - 4.0 / 6.0 * 0.25_f64.powi(3);
+    let velocity = 2.0 + 2.0 * 0.25 - 2.0 * 0.0625;
+    let more = velocity * 0.25 + 0.5 * 0.0625 + 4.0 / 6.0 * 0.25_f64.powi(3);
+    let law =
+        JointLaw::fastest([0.0, 2.0, 2.0], [covered + more, 2.75, 2.0], limits(10.0, 3.0, 4.0)).unwrap();
+    assert!((law.duration() - 0.5).abs() < 1e-12, "{law:?}");
+    assert!((peak(&law, 2) - 2.0).abs() < 1e-12);
+}
+
+#[test]
+fn an_exact_duration_from_rest_is_the_farthest_law_on_a_smaller_scale() {
+    let sound = limits(1.0, 2.0, 10.0);
+    let law = JointLaw::lasting([0.0; 3], [0.5, 0.0, 0.0], sound, 1.7).unwrap();
+    for (order, limit) in [1.0, 2.0, 10.0].into_iter().enumerate() {
+        assert!((peak(&law, order + 1) - 0.5 * limit).abs() < 1e-12, "{law:?}");
+    }
+    // At rest for a while.
+    let law = JointLaw::lasting([0.2, 0.0, 0.0], [0.2, 0.0, 0.0], sound, 3.0).unwrap();
+    assert!(peak(&law, 1) < 1e-15 && law.duration() == 3.0);
+}
+
+#[test]
+fn durations_between_moving_ends_have_gaps() {
+    // Both ends go forwards; to lose time the joint must stop, turn round and come back.
+    let sound = limits(1.0, 2.0, 10.0);
+    let (start, end) = ([0.0, 0.5, 0.0], [0.1, 0.5, 0.0]);
+    let possible = JointLaw::possible_durations(start, end, sound).unwrap();
+    let [[least, until], [since, forever]] = possible[..] else { panic!("{possible:?}") };
+    assert!(least < 0.2 && 0.2 < until && until < since && forever == f64::INFINITY, "{possible:?}");
+    for duration in [least, 0.2, until, since, 2.0 * since, 1000.0] {
+        let law = JointLaw::lasting(start, end, sound, duration).unwrap();
+        assert!(peak(&law, 3) <= 10.0 * (1.0 + 1e-9) && law.end()[0] == 0.1, "{law:?}");
+    }
+    for duration in [0.9 * least, 1.01 * until, 0.5 * (until + since), 0.99 * since] {
+        let Err(ScalingError::DurationNotPossible { before, after, .. }) =
+            JointLaw::lasting(start, end, sound, duration)
+        else {
+            panic!("{duration} s cannot be met")
+        };
+        assert_eq!((before, after), if duration < least { (None, least) } else { (Some(until), since) });
+    }
+}
+
+#[test]
 fn laws_of_other_times_make_no_motion() {
     let law = |duration: f64| JointLaw::cubic([0.0, 0.0], [1.0, 0.0], duration).unwrap();
     let error = together(&[law(1.0), law(2.0)]).unwrap_err();

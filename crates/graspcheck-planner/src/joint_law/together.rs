@@ -1,6 +1,6 @@
 //! Laws of several joints as one motion.
 
-use graspcheck_motion::{Polynomial, Trajectory, TrajectoryError};
+use graspcheck_motion::{Trajectory, TrajectoryError};
 
 use super::JointLaw;
 
@@ -63,24 +63,27 @@ pub fn together(laws: &[JointLaw]) -> Result<Trajectory, TogetherError> {
         }
     }
     let same_knot = SAME_KNOT * first.duration;
-    let mut knots: Vec<f64> =
-        laws.iter().flat_map(|law| law.pieces_in_place().starts().iter().copied()).collect();
-    knots.sort_unstable_by(f64::total_cmp);
-    knots.dedup_by(|next, kept| *next - *kept <= same_knot);
-    let mut pieces = Vec::with_capacity(knots.len() * laws.len());
-    for &start in &knots {
-        pieces.extend(laws.iter().map(|law| piece_from(law, start, same_knot)));
+    // Where each law is: the index of its piece.
+    let mut at = vec![0; laws.len()];
+    let most = laws.iter().map(|law| law.pieces_in_place().starts().len()).sum::<usize>();
+    let mut knots = Vec::with_capacity(most + 1);
+    let mut pieces = Vec::with_capacity(most * laws.len());
+    let mut start = 0.0;
+    while start < f64::INFINITY {
+        knots.push(start);
+        let mut next = f64::INFINITY;
+        for (law, at) in laws.iter().zip(&mut at) {
+            let law = law.pieces_in_place();
+            // A knot that is merged with this one may lie a little later.
+            while law.next_start(*at) <= start + same_knot {
+                *at += 1;
+            }
+            next = next.min(law.next_start(*at));
+            let into = start - law.starts()[*at];
+            law.push_from(*at, if into <= same_knot { 0.0 } else { into }, &mut pieces);
+        }
+        start = next;
     }
     knots.push(first.duration);
     Ok(Trajectory::new(laws.len(), knots, pieces)?)
-}
-
-/// The polynomial of a law in the local time that is 0 at `start`.
-fn piece_from(law: &JointLaw, start: f64, same_knot: f64) -> Polynomial {
-    let pieces = law.pieces_in_place();
-    // A knot that was merged with this one may lie a little later.
-    let index = pieces.index_at(start + same_knot);
-    let into = start - pieces.starts()[index];
-    let polynomial = pieces.polynomial(index);
-    if into <= same_knot { *polynomial } else { polynomial.shifted(into) }
 }

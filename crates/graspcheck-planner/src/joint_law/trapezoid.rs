@@ -1,6 +1,6 @@
 //! The fastest law between moving ends under limits on velocity and acceleration.
 
-use super::{JointLaw, check_ends, faster::Turned};
+use super::{JointLaw, check_ends, turned::Turned};
 use crate::time_scaling::{
     ScalingError,
     error::positive,

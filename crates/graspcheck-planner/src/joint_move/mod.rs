@@ -64,6 +64,16 @@ impl Default for Pacing {
 /// A move of length zero is a rest, as is one below the smallest normal float (2e-308). Moves shorter than
 /// [`SHORTEST_MOVE`] are stretched to it unless a duration is asked for.
 ///
+/// ```
+/// use graspcheck_model::robot::JointLimits;
+/// let limits = JointLimits {
+///     position_min: -9.0, position_max: 9.0, velocity: 1.0, acceleration: 2.0, jerk: 10.0, effort: 1.0,
+/// };
+/// let motion = graspcheck_planner::joint_move(&[0.0], &[1.0], &[limits], 1.0, None)?;
+/// assert!((motion.duration() - 1.7).abs() < 1e-12); // D/V + V/A + A/J
+/// # Ok::<(), graspcheck_planner::joint_move::JointMoveError>(())
+/// ```
+///
 /// # Errors
 /// When the numbers of joints differ or are zero, a number is not finite, a limit or the duration is not
 /// positive, or the share is not within (0, 1].
@@ -127,10 +137,10 @@ fn straight(
 ) -> Result<Trajectory, JointMoveError> {
     let mut shared = [f64::INFINITY; 3];
     for ((a, b), limits) in from.iter().zip(to).zip(limits) {
-        let ratio = (b - a).abs() / longest;
+        // Infinity for a joint that does not move: no limit.
+        let scale = share * (longest / (b - a).abs());
         let own = [limits.velocity, limits.acceleration, limits.jerk];
-        // A joint that does not move gives infinity, which is no limit.
-        shared = std::array::from_fn(|order| shared[order].min(share * own[order] / ratio));
+        shared = std::array::from_fn(|order| shared[order].min(scale * own[order]));
     }
     let mut scaling = scaling(law, longest, shared)?;
     if duration.is_some() || scaling.duration() < SHORTEST_MOVE {
@@ -187,13 +197,13 @@ pub(crate) fn scaling(
 /// to the distance of the law.
 fn along_straight_line(from: &[f64], to: &[f64], law: &TimeScaling) -> Result<Trajectory, JointMoveError> {
     let pieces = law.pieces_in_place();
+    let ratios: Vec<f64> = from.iter().zip(to).map(|(from, to)| (to - from) / law.distance()).collect();
     let mut knots = Vec::with_capacity(pieces.starts().len() + 1);
     let mut polynomials = Vec::with_capacity(pieces.starts().len() * from.len());
     for (start, s) in pieces.iter() {
         knots.push(start);
         let s_start = s.coefficients()[0];
-        for (&from, &to) in from.iter().zip(to) {
-            let ratio = (to - from) / law.distance();
+        for ((&from, &to), &ratio) in from.iter().zip(to).zip(&ratios) {
             let mut q = s.coefficients().map(|c| ratio * c);
             // Counted from the nearer end, so that rounding moves neither.
             q[0] = if s_start < 0.5 * law.distance() {

@@ -72,6 +72,46 @@ pub enum ScalingError {
         /// The limit on its magnitude.
         limit: f64,
     },
+    /// An acceleration at an end of a law is above the limit on acceleration.
+    #[error("{end} acceleration {acceleration} is beyond the limit {limit}: raise the limit to {acceleration_abs}, or lower the acceleration before", acceleration_abs = .acceleration.abs())]
+    BoundaryAcceleration {
+        /// `start` or `end`.
+        end: &'static str,
+        /// The acceleration there.
+        acceleration: f64,
+        /// The limit on its magnitude.
+        limit: f64,
+    },
+    /// From the state at the start, or to that at the end, the velocity passes its limit whatever the law does.
+    #[error(
+        "{end} velocity {velocity} with acceleration {acceleration}: the velocity reaches {reached} with the greatest jerk, beyond the limit {limit}: the acceleration may be at most {most}"
+    )]
+    BoundaryReach {
+        /// `start` or `end`.
+        end: &'static str,
+        /// The velocity there.
+        velocity: f64,
+        /// The acceleration there.
+        acceleration: f64,
+        /// The velocity after the start, or before the end, at which the acceleration is zero at the earliest.
+        reached: f64,
+        /// The limit on its magnitude.
+        limit: f64,
+        /// The largest acceleration at this velocity that keeps the limit.
+        most: f64,
+    },
+    /// No law under the limits takes this long; between moving ends durations have gaps.
+    #[error("duration {duration} s cannot be met: the least duration is {least} s, the nearest {}", nearest(*.before, *.after))]
+    DurationNotPossible {
+        /// What was asked for, s.
+        duration: f64,
+        /// The least duration of all, s.
+        least: f64,
+        /// The next shorter duration that can be met, s, if there is one.
+        before: Option<f64>,
+        /// The next longer duration that can be met, s.
+        after: f64,
+    },
     /// The numbers are so far apart that a coefficient of the law overflows.
     #[error("distance {distance} in {duration} s: a coefficient of the law overflows")]
     Overflow {
@@ -80,6 +120,14 @@ pub enum ScalingError {
         /// In which time, s.
         duration: f64,
     },
+}
+
+/// The durations beside one that cannot be met, in words.
+fn nearest(before: Option<f64>, after: f64) -> String {
+    match before {
+        Some(before) => format!("are {before} s and {after} s"),
+        None => format!("is {after} s"),
+    }
 }
 
 /// Checks that a quantity is positive and finite.

@@ -38,12 +38,11 @@ pub use error::ScalingError;
 pub use profile::{Profile, SHORTEST_PHASE};
 
 /// A law of time s(t) from 0 to a distance, from rest to rest, on `[0, duration]`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeScaling {
     profile: Profile,
     distance: f64,
     duration: f64,
-    pieces: Pieces,
 }
 
 impl TimeScaling {
@@ -67,6 +66,13 @@ impl TimeScaling {
     }
 
     /// Shape and durations of the phases.
+    ///
+    /// ```
+    /// use graspcheck_planner::time_scaling::{Profile, TimeScaling};
+    /// let law = TimeScaling::trapezoid(1.0, 0.5, 1.0)?;
+    /// assert_eq!(law.profile(), Profile::Trapezoid { rise: 0.5, cruise: 1.5, fall: 0.5 });
+    /// # Ok::<(), graspcheck_planner::time_scaling::ScalingError>(())
+    /// ```
     #[must_use]
     pub fn profile(&self) -> Profile {
         self.profile
@@ -86,12 +92,26 @@ impl TimeScaling {
 
     /// The largest velocity, acceleration and jerk, in the unit of s per s, s² and s³, in closed form. The
     /// steps of acceleration that a trapezoid, and a cubic at its ends, makes do not count as jerk.
+    ///
+    /// ```
+    /// use graspcheck_planner::time_scaling::TimeScaling;
+    /// let [velocity, acceleration, jerk] = TimeScaling::s_curve(1.0, 1.0, 2.0, 10.0)?.peaks();
+    /// assert!((velocity - 1.0).abs() < 1e-12 && (acceleration - 2.0).abs() < 1e-12 && (jerk - 10.0).abs() < 1e-12);
+    /// # Ok::<(), graspcheck_planner::time_scaling::ScalingError>(())
+    /// ```
     #[must_use]
     pub fn peaks(&self) -> [f64; 3] {
         self.profile.peaks(self.distance, self.duration)
     }
 
     /// `[s, sd, sdd, sddd]` at `t`, s; where a piece meets the next, the limit from the right.
+    ///
+    /// ```
+    /// use graspcheck_planner::time_scaling::TimeScaling;
+    /// let law = TimeScaling::trapezoid(1.0, 0.5, 1.0)?; // 0.5 s up, 1.5 s at 0.5, 0.5 s down
+    /// assert_eq!(law.eval(1.0), [0.375, 0.5, 0.0, 0.0]);
+    /// # Ok::<(), graspcheck_planner::time_scaling::ScalingError>(())
+    /// ```
     ///
     /// # Panics
     /// When `t` is outside `[0, duration]`.
@@ -102,25 +122,29 @@ impl TimeScaling {
             "t = {t} s is outside the law, which lasts from 0 s to {} s",
             self.duration
         );
-        self.pieces.eval(t)
+        self.pieces_in_place().eval(t)
     }
 
     /// When each piece begins, s, and its polynomial in the local time that is 0 there. The first begins at
     /// 0, the last ends at the duration.
     pub fn pieces(&self) -> impl ExactSizeIterator<Item = (f64, Polynomial)> {
-        self.pieces.iter().map(|(start, polynomial)| (start, *polynomial))
+        let pieces = self.pieces_in_place();
+        (0..pieces.starts().len()).map(move |piece| (pieces.starts()[piece], pieces.polynomial(piece)))
     }
 
-    /// The polynomials, held in place.
-    pub(crate) fn pieces_in_place(&self) -> &Pieces {
-        &self.pieces
+    /// The polynomials, which follow from the shape, held in place.
+    pub(crate) fn pieces_in_place(&self) -> Pieces {
+        self.profile.pieces(0.0, self.distance, self.duration)
     }
 
     /// The law of this shape with the durations of its phases, slowed where rounding exceeds a limit.
     fn within(profile: Profile, distance: f64, limits: [f64; 3]) -> Result<Self, ScalingError> {
         let profile = profile.without_slivers();
         let duration = profile.phase_sum();
-        let factor = slowdown(profile.peaks(distance, duration), limits).max(1.0);
+        let peaks = profile.peaks(distance, duration);
+        // Rarely is a peak above its limit, and roots take time.
+        let keeps = peaks.iter().zip(limits).all(|(peak, limit)| *peak <= limit);
+        let factor = if keeps { 1.0 } else { slowdown(peaks, limits).max(1.0) };
         Self::new(profile, distance, factor * duration)
     }
 
@@ -128,16 +152,15 @@ impl TimeScaling {
     fn new(profile: Profile, distance: f64, duration: f64) -> Result<Self, ScalingError> {
         let profile = profile.without_slivers();
         let profile = profile.stretched(duration / profile.phase_sum());
-        let pieces = profile.pieces(distance, duration);
-        if duration.is_finite() && duration > 0.0 && pieces.is_finite() {
-            Ok(Self { profile, distance, duration, pieces })
+        if duration.is_finite() && duration > 0.0 && profile.is_finite(distance, duration) {
+            Ok(Self { profile, distance, duration })
         } else {
             Err(ScalingError::Overflow { distance, duration })
         }
     }
 }
 
-/// The factor by which a law must be slower so that none of its peaks is above its limit.
+/// The factor by which a law must last longer, or may last shorter, so that its peaks just keep their limits.
 fn slowdown(peaks: [f64; 3], limits: [f64; 3]) -> f64 {
     let [velocity, acceleration, jerk] = [0, 1, 2].map(|k| peaks[k] / limits[k]);
     velocity.max(acceleration.sqrt()).max(jerk.cbrt())

@@ -2,32 +2,44 @@
 
 use graspcheck_motion::Polynomial;
 
-/// Most pieces that a law has: the seven phases of an S-curve.
-const MOST: usize = 7;
+/// Most pieces that a law has: two S-curves of seven phases, of which it is a mixture.
+const MOST: usize = 13;
 
-/// The polynomials of a law in order of time, held in place: making and copying a law allocates nothing.
+/// The polynomials of a law in order of time, held in place: making and copying a law allocates nothing. It is one
+/// polynomial of any degree, or several cubics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pieces {
     count: usize,
     starts: [f64; MOST],
-    polynomials: [Polynomial; MOST],
+    /// Coefficients of τ⁰ to τ³ of each piece.
+    low: [Cubic; MOST],
+    /// Coefficients of τ⁴ to τ⁷; zero unless there is one piece alone.
+    high: [f64; 4],
 }
+
+/// Coefficients of τ⁰ to τ³.
+type Cubic = [f64; 4];
+
+/// A stretch of constant jerk: how long it lasts, s, and the jerk.
+pub(crate) type JerkPhase = (f64, f64);
 
 impl Pieces {
     /// One polynomial from time 0 on.
     pub(crate) fn one(polynomial: Polynomial) -> Self {
+        let [low, high] = split(&polynomial);
         let mut pieces = Self::none();
-        pieces.push(0.0, polynomial);
+        pieces.push(0.0, low);
+        pieces.high = high;
         pieces
     }
 
     fn none() -> Self {
-        Self { count: 0, starts: [0.0; MOST], polynomials: [Polynomial::default(); MOST] }
+        Self { count: 0, starts: [0.0; MOST], low: [[0.0; 4]; MOST], high: [0.0; 4] }
     }
 
-    fn push(&mut self, start: f64, polynomial: Polynomial) {
+    fn push(&mut self, start: f64, cubic: Cubic) {
         self.starts[self.count] = start;
-        self.polynomials[self.count] = polynomial;
+        self.low[self.count] = cubic;
         self.count += 1;
     }
 
@@ -37,52 +49,107 @@ impl Pieces {
     /// one that leads back from the end to the cruise. Built from both ends, so that the law starts and ends
     /// where it should to the last bit, and rounding shows only where the two halves meet.
     pub(crate) fn between(
-        start: [f64; 2],
+        [q0, v0]: [f64; 2],
         rise: VelocityChange,
         (cruise, velocity): (f64, f64),
         fall: VelocityChange,
         [q1, v1]: [f64; 2],
         duration: f64,
     ) -> Self {
+        let forwards = rise.phases([q0, v0]);
+        let [_, _, last] = forwards;
+        let middle = (cruise, [value(&last.1, last.0), velocity, 0.0, 0.0]);
+        let forwards = [forwards[0], forwards[1], forwards[2], middle];
+        Self::from_both_ends(&forwards, &fall.times(-1.0).phases([q1, -v1]), [q0, v0, 0.0], duration)
+    }
+
+    /// Phases of constant jerk, a cruise at constant velocity, and phases of constant jerk, which last `duration`
+    /// together. Those after the cruise are listed from the end back, each with the jerk that it has in the order
+    /// of time. `start` and `end` are `[position, velocity, acceleration]`.
+    pub(crate) fn of_jerks(
+        start: [f64; 3],
+        rise: [JerkPhase; 3],
+        (cruise, velocity): (f64, f64),
+        fall: [JerkPhase; 3],
+        [q1, v1, a1]: [f64; 3],
+        duration: f64,
+    ) -> Self {
+        let [first, second, third] = cubics(start, rise);
+        let middle = (cruise, [value(&third.1, third.0), velocity, 0.0, 0.0]);
+        // Backwards in time velocity and jerk change their sign.
+        let backwards = cubics([q1, -v1, a1], fall.map(|(length, jerk)| (length, -jerk)));
+        Self::from_both_ends(&[first, second, third, middle], &backwards, start, duration)
+    }
+
+    /// Cubics with their lengths, from the start on and from the end back, the latter in the time that runs back.
+    fn from_both_ends(
+        forwards: &[(f64, Cubic)],
+        backwards: &[(f64, Cubic)],
+        [q, qd, qdd]: [f64; 3],
+        duration: f64,
+    ) -> Self {
         // A phase this short does not move the law by more than rounding does, and its knots might coincide.
         let shortest = 4.0 * f64::EPSILON * duration;
         let mut pieces = Self::none();
-        let (mut t, mut covered) = (0.0, start[0]);
-        for (length, polynomial) in rise.phases(start) {
-            if length > shortest {
-                pieces.push(t, polynomial);
-                t += length;
-                covered = polynomial.position(length);
-            }
+        let mut t = 0.0;
+        for &(length, cubic) in forwards.iter().filter(|(length, _)| *length > shortest) {
+            pieces.push(t, cubic);
+            t += length;
         }
-        if cruise > shortest {
-            pieces.push(t, Polynomial::new([covered, velocity]));
-        }
-        // The fall runs backwards from the end, where all odd derivatives change their sign.
+        let mut starts = [0.0; MOST];
         let mut left = 0.0;
-        let mut backwards = [(0.0, Polynomial::default()); 3];
-        let mut count = 0;
-        for (length, polynomial) in fall.times(-1.0).phases([q1, -v1]) {
-            if length > shortest {
-                left += length;
-                let [q, qd, qdd, qddd] = polynomial.cubic_at(length);
-                backwards[count] = (duration - left, Polynomial::new([q, -qd, 0.5 * qdd, -qddd / 6.0]));
-                count += 1;
-            }
+        for (start, (length, _)) in starts.iter_mut().zip(backwards) {
+            left += if *length > shortest { *length } else { 0.0 };
+            *start = duration - left;
         }
-        for &(start, polynomial) in backwards[..count].iter().rev() {
-            // Without a rise and a cruise the first of them begins at 0, whatever rounding says.
-            pieces.push(if pieces.count == 0 { 0.0 } else { start }, polynomial);
+        for (&start, (length, cubic)) in starts.iter().zip(backwards).rev() {
+            if *length > shortest {
+                let [q, qd, qdd, qddd] = cubic_at(cubic, *length);
+                // Without a phase before it the first of them begins at 0, whatever rounding says.
+                let start = if pieces.count == 0 { 0.0 } else { start };
+                pieces.push(start, [q, -qd, 0.5 * qdd, -qddd / 6.0]);
+            }
         }
         if pieces.count == 0 {
-            pieces.push(0.0, Polynomial::new(start));
+            pieces.push(0.0, [q, qd, 0.5 * qdd, 0.0]);
         }
         pieces
     }
 
+    /// The mixture `(1 - share) a + share b` of two laws of the same duration, both of them cubics, that ends at a
+    /// position that the mixture has but for rounding.
+    pub(crate) fn mixed(a: &Self, b: &Self, share: f64, end: f64, duration: f64) -> Self {
+        let shortest = 4.0 * f64::EPSILON * duration;
+        let mut pieces = Self::none();
+        let (mut i, mut j) = (0, 0);
+        let mut t = 0.0;
+        loop {
+            let [a_now, b_now] = [(a, i), (b, j)].map(|(of, at)| shifted(&of.low[at], t - of.starts[at]));
+            pieces.push(t, std::array::from_fn(|k| (1.0 - share) * a_now[k] + share * b_now[k]));
+            let next = a.next_start(i).min(b.next_start(j));
+            if next == f64::INFINITY {
+                break;
+            }
+            i += usize::from(a.next_start(i) <= next + shortest);
+            j += usize::from(b.next_start(j) <= next + shortest);
+            t = next;
+        }
+        // What rounding left shows in the middle, not at the end.
+        let missing = end - pieces.eval(duration)[0];
+        for (start, cubic) in pieces.starts.iter().zip(&mut pieces.low).take(pieces.count) {
+            cubic[0] += if *start > 0.5 * duration || pieces.count == 1 { missing } else { 0.0 };
+        }
+        pieces
+    }
+
+    /// When the piece after this one begins; infinity after the last.
+    pub(crate) fn next_start(&self, piece: usize) -> f64 {
+        if piece + 1 < self.count { self.starts[piece + 1] } else { f64::INFINITY }
+    }
+
     /// When each piece begins, and its polynomial in the local time that is 0 there.
-    pub(crate) fn iter(&self) -> impl ExactSizeIterator<Item = (f64, &Polynomial)> {
-        self.starts[..self.count].iter().copied().zip(&self.polynomials[..self.count])
+    pub(crate) fn iter(&self) -> impl ExactSizeIterator<Item = (f64, Polynomial)> {
+        (0..self.count).map(|piece| (self.starts[piece], self.polynomial(piece)))
     }
 
     /// When each piece begins; the first at 0.
@@ -93,32 +160,68 @@ impl Pieces {
     /// Value and first three derivatives at `t`; where pieces meet, those of the later one.
     pub(crate) fn eval(&self, t: f64) -> [f64; 4] {
         let piece = self.index_at(t);
-        self.polynomials[piece].eval(t - self.starts[piece])
+        self.polynomial(piece).eval(t - self.starts[piece])
     }
 
     /// The index of the piece that holds `t`.
-    pub(crate) fn index_at(&self, t: f64) -> usize {
+    fn index_at(&self, t: f64) -> usize {
         self.starts[1..self.count].iter().take_while(|start| **start <= t).count()
     }
 
     /// The polynomial of a piece.
-    pub(crate) fn polynomial(&self, index: usize) -> &Polynomial {
-        &self.polynomials[index]
+    pub(crate) fn polynomial(&self, piece: usize) -> Polynomial {
+        let ([a, b, c, d], [e, f, g, h]) = (self.low[piece], self.high);
+        Polynomial::new([a, b, c, d, e, f, g, h])
     }
 
-    /// Each polynomial changed.
-    pub(crate) fn map(&self, change: impl Fn(&Polynomial) -> Polynomial) -> Self {
-        let mut changed = *self;
-        for polynomial in &mut changed.polynomials[..self.count] {
-            *polynomial = change(polynomial);
+    /// Adds the polynomial of a piece in the local time that is 0 at `into` of its own; for 0 the very same.
+    #[inline]
+    pub(crate) fn push_from(&self, piece: usize, into: f64, to: &mut Vec<Polynomial>) {
+        // One push each: a polynomial that is made in two ways and kept in one place takes twice the time.
+        if self.high.iter().all(|c| *c == 0.0) {
+            to.push(Polynomial::new(shifted(&self.low[piece], into)));
+        } else {
+            to.push(self.polynomial(piece).shifted(into));
         }
-        changed
     }
 
     /// Whether every number is finite.
     pub(crate) fn is_finite(&self) -> bool {
-        self.iter().all(|(start, polynomial)| start.is_finite() && polynomial.is_finite())
+        let low = self.low[..self.count].iter().flatten();
+        low.chain(&self.high).chain(self.starts()).fold(true, |finite, number| finite & number.is_finite())
     }
+}
+
+/// The coefficients of τ⁰ to τ³, and those of higher powers.
+fn split(polynomial: &Polynomial) -> [[f64; 4]; 2] {
+    let [a, b, c, d, e, f, g, h] = *polynomial.coefficients();
+    [[a, b, c, d], [e, f, g, h]]
+}
+
+/// Phases of constant jerk one after the other, each with its length and its cubic.
+fn cubics<const N: usize>(mut state: [f64; 3], phases: [JerkPhase; N]) -> [(f64, Cubic); N] {
+    phases.map(|(length, jerk)| {
+        let cubic = [state[0], state[1], 0.5 * state[2], jerk / 6.0];
+        let [q, qd, qdd, _] = cubic_at(&cubic, length);
+        state = [q, qd, qdd];
+        (length, cubic)
+    })
+}
+
+fn value([a, b, c, d]: &Cubic, tau: f64) -> f64 {
+    ((d * tau + c) * tau + b) * tau + a
+}
+
+/// The value and three derivatives.
+fn cubic_at(cubic: &Cubic, tau: f64) -> [f64; 4] {
+    let [_, b, c, d] = *cubic;
+    [value(cubic, tau), (3.0 * d * tau + 2.0 * c) * tau + b, 6.0 * d * tau + 2.0 * c, 6.0 * d]
+}
+
+/// The cubic in the local time that is 0 at `shift` of its own.
+fn shifted(cubic: &Cubic, shift: f64) -> Cubic {
+    let [_, b, c, d] = *cubic;
+    [value(cubic, shift), (3.0 * d * shift + 2.0 * c) * shift + b, 3.0 * d * shift + c, d]
 }
 
 /// A change of velocity: the acceleration grows, stays, and falls as it grew.
@@ -148,46 +251,21 @@ impl VelocityChange {
         }
     }
 
-    /// How long it takes, s.
-    pub(crate) fn duration(self) -> f64 {
-        2.0 * self.jerk + self.acceleration
-    }
-
     /// In the same time a change that is `factor` times as large.
     pub(crate) fn times(self, factor: f64) -> Self {
         Self { change: factor * self.change, ..self }
     }
 
     /// The phases from a position and velocity on, with their lengths; those of length 0 mean nothing.
-    fn phases(self, [q, qd]: [f64; 2]) -> [(f64, Polynomial); 3] {
+    fn phases(self, [q, qd]: [f64; 2]) -> [(f64, Cubic); 3] {
         let Self { change, jerk: t_j, acceleration: t_c } = self;
         let acceleration = if change == 0.0 { 0.0 } else { change / (t_j + t_c) };
         let sixth = if t_j > 0.0 { acceleration / t_j / 6.0 } else { 0.0 };
-        let first = Polynomial::new([q, qd, 0.0, sixth]);
-        let [q, qd, ..] = first.cubic_at(t_j);
-        let second = Polynomial::new([q, qd, 0.5 * acceleration]);
-        let [q, qd, ..] = second.cubic_at(t_c);
-        let third = Polynomial::new([q, qd, 0.5 * acceleration, -sixth]);
+        let first = [q, qd, 0.0, sixth];
+        let [q, qd, ..] = cubic_at(&first, t_j);
+        let second = [q, qd, 0.5 * acceleration, 0.0];
+        let [q, qd, ..] = cubic_at(&second, t_c);
+        let third = [q, qd, 0.5 * acceleration, -sixth];
         [(t_j, first), (t_c, second), (t_j, third)]
-    }
-}
-
-/// Evaluation of what is known to be a cubic, several times as fast as for any degree.
-trait Cubic {
-    /// The value.
-    fn position(&self, tau: f64) -> f64;
-    /// The value and three derivatives.
-    fn cubic_at(&self, tau: f64) -> [f64; 4];
-}
-
-impl Cubic for Polynomial {
-    fn position(&self, tau: f64) -> f64 {
-        let [a, b, c, d, ..] = *self.coefficients();
-        ((d * tau + c) * tau + b) * tau + a
-    }
-
-    fn cubic_at(&self, tau: f64) -> [f64; 4] {
-        let [_, b, c, d, ..] = *self.coefficients();
-        [self.position(tau), (3.0 * d * tau + 2.0 * c) * tau + b, 6.0 * d * tau + 2.0 * c, 6.0 * d]
     }
 }

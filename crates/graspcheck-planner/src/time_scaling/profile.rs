@@ -108,33 +108,46 @@ impl Profile {
         }
     }
 
-    /// The polynomials over this distance in this time, which is the sum of the phases if there are any.
-    pub(super) fn pieces(self, distance: f64, duration: f64) -> Pieces {
-        let powers = |k: i32| distance / duration.powi(k);
-        let [velocity, ..] = self.peaks(distance, duration);
-        let [start, end] = [[0.0, 0.0], [distance, 0.0]];
+    /// Whether every coefficient of its polynomials is finite.
+    pub(super) fn is_finite(self, distance: f64, duration: f64) -> bool {
         match self {
-            Self::Cubic => Pieces::one(Polynomial::new([0.0, 0.0, 3.0 * powers(2), -2.0 * powers(3)])),
+            Self::Cubic | Self::Quintic | Self::Septic => self.pieces(0.0, distance, duration).is_finite(),
+            // Their coefficients are the distance and shares of the peaks.
+            Self::Trapezoid { .. } | Self::SCurve { .. } => {
+                let [velocity, acceleration, jerk] = self.peaks(distance, duration);
+                velocity.is_finite() && acceleration.is_finite() && jerk.is_finite()
+            }
+        }
+    }
+
+    /// The polynomials from one position to another in this time, which is the sum of the phases if there are any.
+    pub(crate) fn pieces(self, from: f64, to: f64, duration: f64) -> Pieces {
+        let distance = to - from;
+        let powers = |k: i32| distance / duration.powi(k);
+        match self {
+            Self::Cubic => Pieces::one(Polynomial::new([from, 0.0, 3.0 * powers(2), -2.0 * powers(3)])),
             Self::Quintic => {
                 let [c3, c4, c5] = [10.0 * powers(3), -15.0 * powers(4), 6.0 * powers(5)];
-                Pieces::one(Polynomial::new([0.0, 0.0, 0.0, c3, c4, c5]))
+                Pieces::one(Polynomial::new([from, 0.0, 0.0, c3, c4, c5]))
             }
             Self::Septic => {
                 let [c4, c5, c6, c7] =
                     [35.0 * powers(4), -84.0 * powers(5), 70.0 * powers(6), -20.0 * powers(7)];
-                Pieces::one(Polynomial::new([0.0, 0.0, 0.0, 0.0, c4, c5, c6, c7]))
+                Pieces::one(Polynomial::new([from, 0.0, 0.0, 0.0, c4, c5, c6, c7]))
             }
             Self::Trapezoid { rise, cruise, fall } => {
+                let velocity = distance / (0.5 * (rise + fall) + cruise);
                 let [rise, fall] = [rise, fall].map(|acceleration| VelocityChange {
                     change: velocity,
                     jerk: 0.0,
                     acceleration,
                 });
-                Pieces::between(start, rise, (cruise, velocity), fall, end, duration)
+                Pieces::between([from, 0.0], rise, (cruise, velocity), fall, [to, 0.0], duration)
             }
             Self::SCurve { jerk, acceleration, cruise } => {
+                let velocity = distance / (2.0 * jerk + acceleration + cruise);
                 let change = VelocityChange { change: velocity, jerk, acceleration };
-                Pieces::between(start, change, (cruise, velocity), change, end, duration)
+                Pieces::between([from, 0.0], change, (cruise, velocity), change, [to, 0.0], duration)
             }
         }
     }

@@ -12,6 +12,7 @@ use graspcheck_model::{
 use graspcheck_planner::{
     joint_law::{JointLaw, RateLimits},
     joint_move::{Pacing, joint_move_by},
+    time_scaling::ScalingError,
 };
 use rsruckig::prelude::{DataArrayOrVec, InputParameter, Ruckig, ThrowErrorHandler, Trajectory};
 
@@ -107,6 +108,69 @@ fn least_by_search([q0, v0]: [f64; 2], [q1, v1]: [f64; 2], limits: RateLimits) -
     least
 }
 
+/// The duration that the other implementation finds for one joint between `[position, velocity, acceleration]`, at
+/// least the given one.
+fn ruckig_between(start: [f64; 3], end: [f64; 3], limits: RateLimits, at_least: Option<f64>) -> Option<f64> {
+    let of = |value: f64| DataArrayOrVec::Stack([value]);
+    let mut input = InputParameter::<1>::new(None);
+    input.current_position = of(start[0]);
+    input.current_velocity = of(start[1]);
+    input.current_acceleration = of(start[2]);
+    input.target_position = of(end[0]);
+    input.target_velocity = of(end[1]);
+    input.target_acceleration = of(end[2]);
+    input.max_velocity = of(limits.velocity);
+    input.max_acceleration = of(limits.acceleration);
+    input.max_jerk = of(limits.jerk);
+    input.minimum_duration = at_least;
+    let mut found = Trajectory::<1>::new(None);
+    Ruckig::<1, ThrowErrorHandler>::new(None, 0.001).calculate(&input, &mut found).ok()?;
+    Some(found.get_duration())
+}
+
+/// Two states within limits, from which and to which the velocity keeps its limit.
+fn states(draw: &mut Draw, limits: RateLimits) -> [[f64; 3]; 2] {
+    let mut state = |position: f64, time: f64| loop {
+        let v = limits.velocity * draw.within(-1.0, 1.0);
+        let a = limits.acceleration * draw.within(-1.0, 1.0);
+        let reached = v + time * 0.5 * a * a.abs() / limits.jerk;
+        if reached.abs() < 0.999 * limits.velocity {
+            return [position, v, a];
+        }
+    };
+    let start = state(0.5, 1.0);
+    let mut end = state(0.5, -1.0);
+    end[0] += draw.within(-1.0, 1.0).signum() * draw.magnitude(1e-3, 10.0);
+    [start, end]
+}
+
+/// Checks that a law begins and ends as asked, is smooth, and keeps its limits.
+fn assert_sound(law: &JointLaw, start: [f64; 3], end: [f64; 3], limits: RateLimits, case: &str) {
+    let RateLimits { velocity, acceleration, jerk } = limits;
+    // Knots are rounded to the spacing of floats near the end.
+    let knots = 8.0 * f64::EPSILON * law.duration();
+    let scales = [1.0 + end[0].abs(), velocity, acceleration];
+    let rounding = [
+        1e-11 * scales[0] + knots * velocity,
+        1e-11 * scales[1] + knots * acceleration,
+        1e-11 * scales[2] + knots * jerk,
+    ];
+    for (asked, found) in [(start, law.start()), (end, law.end())] {
+        for ((asked, found), rounding) in asked.iter().zip(found).zip(rounding) {
+            assert!((asked - found).abs() <= rounding, "{case}: {found} is not {asked}: {law:?}");
+        }
+    }
+    for (order, (limit, rounding)) in
+        [(velocity, rounding[1]), (acceleration, rounding[2]), (jerk, 1e-9 * jerk)].into_iter().enumerate()
+    {
+        let [low, high] = law.range(order + 1);
+        let most = limit + rounding;
+        assert!(low.value >= -most && high.value <= most, "{case}: order {order}: {low:?} {high:?}: {law:?}");
+    }
+    let motion = law.trajectory().expect("a motion");
+    assert!(motion.breaks().is_empty(), "{case}: {:?}: {law:?}", motion.breaks());
+}
+
 /// Holds a duration against that of the other implementation, which must have found one.
 fn assert_same(ours: f64, theirs: Option<f64>, case: impl Fn() -> String) {
     let same = theirs.is_some_and(|theirs| (ours - theirs).abs() <= SAME * theirs.max(ours));
@@ -196,4 +260,75 @@ fn where_the_other_one_fails_the_closed_form_holds() {
         }
     }
     assert!(failures > 0, "the other implementation has learned it: this exclusion can go");
+}
+
+#[test]
+fn between_states_in_motion() {
+    let mut draw = Draw(5);
+    let (mut same, mut failures, mut slower) = (0, 0, 0);
+    for case in 0..20_000 {
+        let limits = draw.limits();
+        let [start, mut end] = states(&mut draw, limits);
+        if case % 4 == 0 {
+            end = [end[0], 0.0, 0.0];
+        }
+        let name = format!("case {case}: {limits:?} {start:?} {end:?}");
+        let law = JointLaw::fastest(start, end, limits).expect("sound input");
+        assert_sound(&law, start, end, limits, &name);
+        match ruckig_between(start, end, limits, None) {
+            None => failures += 1,
+            Some(theirs) if theirs > law.duration() * (1.0 + SAME) => slower += 1,
+            // What the other one finds can be no faster: a law that is sound and as fast as any is the fastest.
+            Some(theirs) => {
+                assert!(
+                    theirs >= law.duration() * (1.0 - SAME),
+                    "{name}: {} s, ruckig {theirs} s",
+                    law.duration()
+                );
+                same += 1;
+            }
+        }
+    }
+    assert!(same > 19_900, "{same} the same, {failures} failures, {slower} slower");
+}
+
+#[test]
+fn exact_durations_between_states_in_motion() {
+    let mut draw = Draw(6);
+    let (mut same, mut failures, mut later, mut gaps) = (0, 0, 0, 0);
+    for case in 0..20_000 {
+        let limits = draw.limits();
+        let [start, end] = states(&mut draw, limits);
+        let possible = JointLaw::possible_durations(start, end, limits).expect("sound input");
+        let fastest = JointLaw::fastest(start, end, limits).expect("sound input").duration();
+        let name = format!("case {case}: {limits:?} {start:?} {end:?} {possible:?}");
+        assert!((possible[0][0] / fastest - 1.0).abs() < SAME, "{name}: {fastest}");
+        gaps += possible.len() - 1;
+        let duration = fastest * draw.magnitude(1.0001, 5.0);
+        let law = JointLaw::lasting(start, end, limits, duration);
+        let expected = match &law {
+            Ok(law) => {
+                assert_sound(law, start, end, limits, &name);
+                assert!(law.duration().to_bits() == duration.to_bits());
+                duration
+            }
+            Err(ScalingError::DurationNotPossible { after, .. }) => *after,
+            Err(other) => panic!("{name}: {other}"),
+        };
+        // What the error names can be met.
+        let later_law = JointLaw::lasting(start, end, limits, expected * (1.0 + 1e-9));
+        assert!(later_law.is_ok(), "{name}: {duration}: {later_law:?}");
+        match ruckig_between(start, end, limits, Some(duration)) {
+            None => failures += 1,
+            Some(theirs) if theirs > expected * (1.0 + SAME) => later += 1,
+            Some(theirs) => {
+                assert!(
+                    theirs >= expected * (1.0 - SAME),
+                    "{name}: {duration}: {expected} s, ruckig {theirs} s"
+                );
+                same += 1;
+            }
+        }
+    }
+    assert!(same > 19_000 && gaps > 100, "{same} the same, {failures} failures, {later} later, {gaps} gaps");
 }

@@ -1,17 +1,9 @@
-//! The peak velocity of the fastest law between two moving ends.
+//! Which way round the fastest trapezoid between two moving ends goes.
 //!
-//! Of all laws that keep the limits, the fastest one from velocity v₀ to v₁ changes its velocity to a peak v_p,
-//! cruises there if v_p is the limit, and changes its velocity to v₁, each change being the fastest of its size.
-//! The *direct* law goes from v₀ to v₁ in one change and covers D₀. A distance D above D₀ needs a peak above
-//! both ends; one below it is the same problem with all signs changed. Above both ends,
-//!
-//! `D(v_p) = (v₀ + v_p)/2 t(v_p - v₀) + (v₁ + v_p)/2 t(v_p - v₁)`,
-//!
-//! with t the duration of the fastest change of a velocity. Each term grows with v_p if the end's velocity is
-//! not negative, and is convex if it is; where one end is not negative, neither term falls for peaks above both.
-//! So D(v_p) takes every value above D₀ at exactly one peak, which is found by a bracket that shrinks.
-//! The textbook iteration (Biagiotti and Melchiorri, section 3.4) lowers the acceleration instead until a
-//! solution appears, which is not the fastest.
+//! Under limits on velocity and acceleration the fastest law from velocity v₀ to v₁ changes its velocity to a peak v_p,
+//! cruises there if v_p is the limit, and changes its velocity to v₁. The *direct* law goes from v₀ to v₁ in one
+//! change and covers D₀. A distance D above D₀ needs a peak above both ends; one below it is the same problem with all
+//! signs changed.
 
 /// A distance this near to that of the direct law, relative to the numbers of which it is a difference, is that
 /// of the direct law. Between ends that both move backwards the next larger distance takes a long way round, and
