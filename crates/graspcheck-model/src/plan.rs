@@ -27,12 +27,61 @@ pub struct Plan {
 pub struct PlannedPath {
     /// Name of the phase.
     pub phase: String,
-    /// Where the tool should be, by the path parameter.
+    /// Where the tracked point should be and how the tool should be turned, by the path parameter.
     pub path: ToolPath,
+    /// What is led along the path.
+    #[serde(default)]
+    pub point: TrackedPoint,
     /// The path parameter over the time since the phase began, as a motion of one "joint".
     pub law: Trajectory,
-    /// How far the tool may be from the path, m and rad.
+    /// How far the point may be from the path, m, and the tool turned away, rad.
     pub tolerance: f64,
+}
+
+/// The point of an arm that a path leads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TrackedPoint {
+    /// The tool's origin.
+    #[default]
+    Tool,
+    /// The end of the second link, at the height of the tool.
+    Wrist,
+}
+
+/// Why no motion exists that does what a task asks: what can be expected of a scenario that must fail in planning
+/// (worked examples, section 7).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum NoMotion {
+    /// A pose, or a part of a path, is outside the workspace: too far, too near, or beyond a limit of position.
+    Unreachable,
+    /// A path comes near a singularity, where the joints would have to be very fast.
+    NearSingular,
+    /// The end of a path can be reached, but only on another branch of the inverse kinematics.
+    Branch,
+    /// A path touches the singular circle and goes on on the other branch: continuous, but on no branch.
+    BranchChange,
+}
+
+impl NoMotion {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Unreachable, Self::NearSingular, Self::Branch, Self::BranchChange];
+
+    /// Its stable name, as in `expect_fail`.
+    ///
+    /// ```
+    /// use graspcheck_model::plan::NoMotion;
+    /// assert_eq!(NoMotion::NearSingular.name(), "plan.near_singular");
+    /// ```
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unreachable => "plan.unreachable",
+            Self::NearSingular => "plan.near_singular",
+            Self::Branch => "plan.branch",
+            Self::BranchChange => "plan.branch_change",
+        }
+    }
 }
 
 /// A stretch of the motion with one purpose.

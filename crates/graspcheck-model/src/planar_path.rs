@@ -17,12 +17,13 @@
 //! the angle between it and the upper arm (Siciliano et al., *Robotics: Modelling, Planning and Control*,
 //! section 2.12, differentiated).
 
-use graspcheck_motion::{Jet, Polynomial, Real, Scalar, Trajectory};
+use graspcheck_motion::{Jet, Polynomial, Real, Scalar};
 use nalgebra::{Unit, Vector2, Vector3};
 
 use crate::{
     Pose,
     inverse::{POSE_TOLERANCE, Unreachable},
+    plan::TrackedPoint,
     robot::{JointKind, RobotModel},
     structure::PlanarGeometry,
     task::Elbow,
@@ -92,15 +93,49 @@ pub struct ElbowAngle<S, const N: usize> {
 impl PlanarPath {
     /// The path of the tool in the frame of the arm.
     ///
+    /// ```
+    /// use graspcheck_model::{example, planar_path::PlanarPath, task::Elbow, tool_path::*};
+    /// use graspcheck_motion::{Jet, Polynomial};
+    /// // The tool of the planar arm stays at (7, 2) m and turns by 1 rad: wrist and joints move all the same.
+    /// let robot = example::planar();
+    /// let start = robot.world_from_tool(&[0.0, 0.5, -0.5]).rotation;
+    /// let path = ToolPath::new(vec![ToolSegment {
+    ///     start: 0.0,
+    ///     end: 1.0,
+    ///     position: PositionCurve::Polynomial([7.0, 2.0, 0.0].map(Polynomial::constant)),
+    ///     orientation: OrientationCurve::turning(start, nalgebra::Vector3::z_axis(), Polynomial::new([0.0, 1.0])),
+    /// }])?;
+    /// let planar = PlanarPath::new(&robot, &path).map_err(|(_, bound)| bound)?;
+    /// let q = planar.positions(&planar.target(0, Jet::constant(1.0)), Elbow::Left, &[0.0; 3], 0.0)?;
+    /// assert!((q[..3].iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// The place s, and why, when the arm has no closed form, the path turns the tool about another axis than
     /// the arm can, or it leads out of the plane of an arm without a quill. Whether the wrist comes too far
     /// from axis 1 or too near is for whoever follows the path.
     pub fn new(robot: &RobotModel, path: &ToolPath) -> Result<Self, (f64, Unreachable)> {
+        Self::tracking(robot, path, TrackedPoint::Tool)
+    }
+
+    /// The path of a point of the arm in its frame: where `path` has its position, there the point should be, and
+    /// the tool is turned as `path` says.
+    ///
+    /// # Errors
+    /// As [`PlanarPath::new`].
+    pub fn tracking(
+        robot: &RobotModel,
+        path: &ToolPath,
+        point: TrackedPoint,
+    ) -> Result<Self, (f64, Unreachable)> {
         let geometry = geometry(robot).map_err(|bound| (path.start(), bound))?;
         let base_from_world = robot.world_from_base.inverse();
         let shoulder = Vector3::new(geometry.shoulder.x, geometry.shoulder.y, geometry.tool_height);
-        let offset = geometry.tool_offset;
+        let offset = match point {
+            TrackedPoint::Tool => geometry.tool_offset,
+            TrackedPoint::Wrist => Vector2::zeros(),
+        };
         let (turn, lean) = turn_of(&geometry, &(base_from_world * path.pose(path.start())));
         if lean > POSE_TOLERANCE {
             return Err((path.start(), Unreachable::Tilted { angle: lean }));
@@ -135,41 +170,6 @@ impl PlanarPath {
             path.check_plane()?;
         }
         Ok(path)
-    }
-
-    /// The path of the wrist whose coordinates x, y (m, base frame) and tool angle theta (rad, literal) are
-    /// the three "joints" of `coordinates`; the path parameter is its time.
-    ///
-    /// # Errors
-    /// When the arm is no planar R-R-R.
-    ///
-    /// # Panics
-    /// When `coordinates` has another number of coordinates than three.
-    pub fn of_wrist(robot: &RobotModel, coordinates: &Trajectory) -> Result<Self, Unreachable> {
-        let geometry = geometry(robot)?;
-        if geometry.quill.is_some() {
-            let reason = "it is not a planar R-R-R arm".to_owned();
-            return Err(Unreachable::NoClosedForm { robot: robot.name.clone(), reason });
-        }
-        assert_eq!(coordinates.dof(), 3, "a wrist has x, y and theta");
-        let knots = coordinates.knots();
-        let segments: Vec<PlanarSegment> = (0..coordinates.piece_count())
-            .map(|piece| {
-                let [x, y, theta] = [0, 1, 2].map(|k| *coordinates.piece(piece, k));
-                PlanarSegment {
-                    start: knots[piece],
-                    end: knots[piece + 1],
-                    position: PositionCurve::Polynomial([
-                        x.plus(-geometry.shoulder.x),
-                        y.plus(-geometry.shoulder.y),
-                        Polynomial::constant(0.0),
-                    ]),
-                    turn: theta.plus(-geometry.tool_angle_zero()),
-                }
-            })
-            .collect();
-        let slack = slack(robot, &geometry, 0.0, &segments);
-        Ok(Self { geometry, segments, offset: Vector2::zeros(), slack })
     }
 
     /// The arm.
@@ -209,13 +209,13 @@ impl PlanarPath {
     /// The path parameter at the beginning.
     #[must_use]
     pub fn start(&self) -> f64 {
-        self.segments[0].start
+        self.segment(0)[0]
     }
 
     /// The path parameter at the end.
     #[must_use]
     pub fn end(&self) -> f64 {
-        self.segments[self.segments.len() - 1].end
+        self.segment(self.segment_count() - 1)[1]
     }
 
     /// The segment that holds `s`; where two meet, the later one; the first or last beyond the ends.

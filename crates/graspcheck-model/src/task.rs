@@ -3,7 +3,10 @@
 use nalgebra::{Point2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::{Pose, via::ViaLaw};
+use crate::{
+    Pose,
+    via::{EndCondition, ViaLaw},
+};
 
 /// What the robot is asked to do.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,7 +20,7 @@ pub enum Task {
     JointVia(JointVia),
     /// Move through joint positions one segment after the other.
     JointSegments(JointSegments),
-    /// Lead the tool along lines, screws, arcs and polylines.
+    /// Lead the tool along lines, screws, arcs, polylines and splines.
     Path(PathTask),
 }
 
@@ -222,6 +225,15 @@ pub enum PathShape {
         points: Vec<Vector3<f64>>,
         /// How the corners are made.
         corner: PathCorner,
+    },
+    /// On a cubic spline, with continuous curvature: the tool need not stop at its points.
+    Spline {
+        /// The points after the one where the tool is.
+        points: Vec<Vector3<f64>>,
+        /// By how much the tool is turned at each of them, counted from where the path begins.
+        turns: Vec<f64>,
+        /// What holds at its ends, of the derivatives by the path parameter.
+        ends: EndCondition,
     },
 }
 

@@ -3,12 +3,14 @@
 //! A [`ToolPath`] leads through poses of the tool in the world as the path parameter s runs from its start to
 //! its end, mostly from 0 to 1 in proportion to the way travelled. It is a row of segments; in each the
 //! position follows a polynomial or a circular arc (with a pitch: a helix), and the orientation turns about
-//! one or two fixed axes, one after the other:
+//! fixed axes, one after the other:
 //!
 //! ```text
 //! p(σ) = Σ cₖ σᵏ                                  or  p(σ) = center + cos(ωσ) u + sin(ωσ) v + σ a
-//! R(σ) = exp(n₂ α₂(σ)) exp(n₁ α₁(σ)) R₀,             σ = s − start of the segment, axes in the world frame
+//! R(σ) = exp(nₘ αₘ(σ)) … exp(n₁ α₁(σ)) R₀,           σ = s − start of the segment, axes in the world frame
 //! ```
+//!
+//! One turn makes lines, screws and arcs, two a rounded corner, three a spline of orientations.
 //!
 //! (Lynch and Park, *Modern Robotics*, 2017, section 9.2; exp is the rotation about an axis by an angle.)
 //! Angles are literal: a turn of 720° is two turns. All derivatives by s come from the same formulas by
@@ -75,13 +77,13 @@ pub struct ArcCurve {
     pub along: Vector3<f64>,
 }
 
-/// Orientation along a segment: `R(σ) = exp(n₂ α₂(σ)) exp(n₁ α₁(σ)) R₀`.
+/// Orientation along a segment: `R(σ) = exp(nₘ αₘ(σ)) … exp(n₁ α₁(σ)) R₀`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OrientationCurve {
     /// R₀, from the tool to the world.
     pub start: UnitQuaternion<f64>,
-    /// The turns: the first is made first.
-    pub turns: [Turn; 2],
+    /// The turns: the first is made first. Without any the tool stays as it is.
+    pub turns: Vec<Turn>,
 }
 
 /// A turn about an axis that stays the same.
@@ -158,6 +160,24 @@ pub enum ToolPathError {
 
 impl ToolPath {
     /// The path of these segments, one after the other.
+    ///
+    /// ```
+    /// use graspcheck_model::tool_path::{OrientationCurve, PositionCurve, ToolPath, ToolSegment};
+    /// use graspcheck_motion::Polynomial;
+    /// use nalgebra::{UnitQuaternion, Vector3};
+    /// // 0.2 m along x, the tool turning by 1 rad about z.
+    /// let position = PositionCurve::Polynomial([
+    ///     Polynomial::new([0.3, 0.2]),
+    ///     Polynomial::constant(0.0),
+    ///     Polynomial::constant(0.1),
+    /// ]);
+    /// let start = UnitQuaternion::identity();
+    /// let orientation = OrientationCurve::turning(start, Vector3::z_axis(), Polynomial::new([0.0, 1.0]));
+    /// let path = ToolPath::new(vec![ToolSegment { start: 0.0, end: 1.0, position, orientation }])?;
+    /// let [first, second, _] = path.eval(0.5).derivatives;
+    /// assert_eq!((first[0], first[5], second.norm()), (0.2, 1.0, 0.0));
+    /// # Ok::<(), graspcheck_model::tool_path::ToolPathError>(())
+    /// ```
     ///
     /// # Errors
     /// When there is none, a number is not finite, the ranges of s do not follow each other, or the tool
@@ -333,14 +353,13 @@ impl OrientationCurve {
     /// One that stays as it is.
     #[must_use]
     pub fn fixed(start: UnitQuaternion<f64>) -> Self {
-        Self::turning(start, Vector3::z_axis(), Polynomial::constant(0.0))
+        Self { start, turns: Vec::new() }
     }
 
     /// A turn about one axis in the world frame.
     #[must_use]
     pub fn turning(start: UnitQuaternion<f64>, axis: Unit<Vector3<f64>>, angle: Polynomial) -> Self {
-        let none = Turn { axis, angle: Polynomial::constant(0.0) };
-        Self { start, turns: [Turn { axis, angle }, none] }
+        Self { start, turns: vec![Turn { axis, angle }] }
     }
 
     /// From the tool to the world at σ.
@@ -351,24 +370,31 @@ impl OrientationCurve {
         })
     }
 
-    /// `ω = n₂ α₂' + exp(n₂ α₂) n₁ α₁'` with its first two derivatives, rad for each unit of s, s² and s³.
+    /// ω with its first two derivatives, rad for each unit of s, s² and s³: that of the first turn is n₁ α₁', and
+    /// every turn after it adds its own and turns what was there, `ω ← n α' + exp(n α) ω`.
     fn angular_velocity(&self, sigma: f64) -> [Vector3<f64>; 3] {
-        let [first, second] = self.turns.each_ref().map(|turn| {
-            let angle = Jet::<f64, 4>::of_polynomial(&turn.angle, sigma);
-            (turn.axis.into_inner(), angle, angle.derivative())
-        });
-        // Rodrigues: n turned about m by α is n∥ + cos α n⊥ + sin α m × n.
-        let (axis, angle, rate) = second;
-        let parallel = axis * axis.dot(&first.0);
-        let (sin, cos) = angle.sin_cos();
-        let coordinate = |index: usize| {
-            let turned = Jet::from(parallel[index])
-                + cos.scaled((first.0 - parallel)[index])
-                + sin.scaled(axis.cross(&first.0)[index]);
-            (rate.scaled(axis[index]) + turned * first.2).derivatives()
-        };
-        let coordinates = [0, 1, 2].map(coordinate);
-        std::array::from_fn(|order| Vector3::from(coordinates.map(|coordinate| coordinate[order])))
+        let mut velocity = [Jet::<f64, 4>::from(0.0); 3];
+        for Turn { axis, angle } in &self.turns {
+            let angle = Jet::<f64, 4>::of_polynomial(angle, sigma);
+            let (sin, cos) = angle.sin_cos();
+            let [x, y, z] = velocity;
+            let along = x.scaled(axis.x) + y.scaled(axis.y) + z.scaled(axis.z);
+            let across = [
+                z.scaled(axis.y) - y.scaled(axis.z),
+                x.scaled(axis.z) - z.scaled(axis.x),
+                y.scaled(axis.x) - x.scaled(axis.y),
+            ];
+            // Rodrigues: v turned about n by α is v∥ + cos α (v − v∥) + sin α n × v.
+            velocity = std::array::from_fn(|k| {
+                let parallel = along.scaled(axis[k]);
+                parallel
+                    + cos * (velocity[k] - parallel)
+                    + sin * across[k]
+                    + angle.derivative().scaled(axis[k])
+            });
+        }
+        let derivatives = velocity.map(|coordinate| coordinate.derivatives());
+        std::array::from_fn(|order| Vector3::from([0, 1, 2].map(|k| derivatives[k][order])))
     }
 
     fn is_finite(&self) -> bool {
@@ -395,7 +421,7 @@ impl From<ToolPath> for Vec<ToolSegment> {
 mod tests {
     use super::*;
 
-    /// A helix with two turns about different axes.
+    /// A helix with three turns about different axes.
     fn winding() -> ToolSegment {
         let arc = ArcCurve {
             center: Vector3::new(0.1, 0.2, 0.3),
@@ -405,9 +431,10 @@ mod tests {
             along: Vector3::new(0.0, -0.08, 0.06),
         };
         let turn = |axis: Vector3<f64>, angle| Turn { axis: Unit::new_normalize(axis), angle };
-        let turns = [
+        let turns = vec![
             turn(Vector3::new(1.0, 2.0, 0.5), Polynomial::new([0.0, 0.8, -0.3, 0.2])),
             turn(Vector3::new(-1.0, 0.3, 0.7), Polynomial::new([0.1, -0.4, 0.6])),
+            turn(Vector3::new(0.2, 0.9, -0.4), Polynomial::new([-0.2, 0.5, 0.1, -0.3])),
         ];
         let start = UnitQuaternion::from_euler_angles(0.3, -0.2, 0.9);
         let orientation = OrientationCurve { start, turns };
@@ -444,8 +471,9 @@ mod tests {
         let shifted = |curve: &OrientationCurve| OrientationCurve {
             turns: curve
                 .turns
-                .clone()
-                .map(|turn| Turn { angle: turn.angle.shifted(middle - whole.start), ..turn }),
+                .iter()
+                .map(|turn| Turn { angle: turn.angle.shifted(middle - whole.start), ..*turn })
+                .collect(),
             ..curve.clone()
         };
         let PositionCurve::Arc(arc) = &whole.position else { unreachable!() };

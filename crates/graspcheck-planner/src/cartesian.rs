@@ -63,6 +63,19 @@ impl From<AlongError> for LineError {
 /// of them is met from below to 1e-9. With a `duration` (s) the same motion is stretched or compressed to
 /// last exactly that, even past the limits.
 ///
+/// ```
+/// use graspcheck_model::example;
+/// use nalgebra::Isometry3;
+///
+/// let (robot, from) = (example::scara(), [-0.5, 1.2, -0.1, 3.0]);
+/// let down = Isometry3::translation(0.0, 0.0, -0.05) * robot.world_from_tool(&from);
+/// let found = graspcheck_planner::line(&robot, &from, &down, 1.0, None)?;
+/// // Straight down is a motion of the quill alone, exactly.
+/// let end = found.motion.eval(found.motion.duration());
+/// assert!((end.q[2] + 0.15).abs() < 1e-12 && end.q[0] == from[0]);
+/// # Ok::<(), graspcheck_planner::cartesian::LineError>(())
+/// ```
+///
 /// # Errors
 /// Where and why the branch of `from` cannot be followed; or the arm has no closed-form inverse
 /// kinematics; or the limits, the share or the duration are not positive; or the line has no length.

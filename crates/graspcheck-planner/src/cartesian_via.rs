@@ -11,12 +11,12 @@
 use graspcheck_model::{
     inverse::{InverseSolution, PlanarWrist},
     object::Object,
-    plan::{Holding, Phase, Plan},
+    plan::{Holding, Phase, Plan, PlannedPath, TrackedPoint},
     planar_path::PlanarPath,
     robot::RobotModel,
     task::{CartesianVia, Pace},
 };
-use graspcheck_motion::{Polynomial, Trajectory};
+use graspcheck_motion::{Polynomial, Trajectory, TrajectoryError};
 use graspcheck_proof::deviation::Deviation;
 use nalgebra::Point2;
 
@@ -31,6 +31,7 @@ use crate::{
     path::{
         FollowedPath,
         fit::{FitError, fit},
+        wrist::{WristPathError, wrist_path},
     },
     retime,
     via_motion::{via_motion, with_knots},
@@ -50,7 +51,12 @@ pub(crate) fn find(
     let tolerance = Deviation { position: task.tolerance, angle: task.tolerance };
     check_number("tolerance, m and rad", task.tolerance, task.tolerance > 0.0, "finite and positive")?;
     let wrist = wrist_motion(task)?;
-    let planar = PlanarPath::of_wrist(robot, &wrist).map_err(PlanError::NoInverse)?;
+    let path = wrist_path(robot, &wrist).map_err(|error| match error {
+        WristPathError::NoWrist(bound) => PlanError::NoInverse(bound),
+        WristPathError::Path(error) => PlanError::Path { phase: PHASE.to_owned(), error },
+    })?;
+    let planar = PlanarPath::tracking(robot, &path, TrackedPoint::Wrist)
+        .map_err(|(_, bound)| PlanError::NoInverse(bound))?;
     let arm = Arm::new(robot).map_err(PlanError::NoInverse)?;
     let tracker = Tracker::new(&arm, &planar);
     let elbow = task.elbow;
@@ -74,12 +80,16 @@ pub(crate) fn find(
         return Err(PlanError::Via { elbow, at, fault });
     };
     let followed = FollowedPath { planar, branch };
-    let trajectory =
-        fit(&arm, &followed, &time_itself(wrist.knots())?, tolerance).map_err(|error| match error {
-            FitError::Located(Located { at, fault }) => PlanError::Via { elbow, at, fault },
-            FitError::Trajectory(error) => error.into(),
-        })?;
-    in_one_phase(robot, object, &trajectory, &pace)
+    let law = time_itself(wrist.knots())?;
+    let trajectory = fit(&arm, &followed, &law, tolerance).map_err(|error| match error {
+        FitError::Located(Located { at, fault }) => PlanError::Via { elbow, at, fault },
+        FitError::Trajectory(error) => error.into(),
+    })?;
+    let mut planned = in_one_phase(robot, object, &trajectory, &pace)?;
+    let law = in_time(&law, &pace)?;
+    let (phase, point, tolerance) = (PHASE.to_owned(), TrackedPoint::Wrist, task.tolerance);
+    planned.plan.paths.push(PlannedPath { phase, path, point, law, tolerance });
+    Ok(planned)
 }
 
 /// The plan of a motion that is one phase; the pace may ask for its duration.
@@ -89,15 +99,20 @@ pub(crate) fn in_one_phase(
     motion: &Trajectory,
     pace: &CheckedPace,
 ) -> Result<Planned, PlanError> {
-    let trajectory = match pace.duration(PHASE) {
-        Some(duration) => retime::lasting(motion, duration)?,
-        None => motion.clone(),
-    };
+    let trajectory = in_time(motion, pace)?;
     let end = trajectory.duration();
     let holding = if object.is_some() { Holding::AtStart } else { Holding::Nothing };
     let phases = vec![Phase { name: PHASE.to_owned(), start: 0.0, end, holding }];
     let opening = idle(&robot.gripper, end)?;
     Ok(Planned::without_proof(Plan { trajectory, opening, phases, grasp: None, paths: Vec::new() }))
+}
+
+/// The same motion, or law of time, in the duration that the pace may ask for.
+fn in_time(motion: &Trajectory, pace: &CheckedPace) -> Result<Trajectory, TrajectoryError> {
+    match pace.duration(PHASE) {
+        Some(duration) => retime::lasting(motion, duration),
+        None => Ok(motion.clone()),
+    }
 }
 
 /// Legal joint positions at the first point on the asked branch: those whose angles add up to the literal

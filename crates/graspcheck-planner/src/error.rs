@@ -1,6 +1,6 @@
 //! Why there is no plan.
 
-use graspcheck_model::{Pose, inverse::Unreachable, task::Elbow};
+use graspcheck_model::{Pose, inverse::Unreachable, plan::NoMotion, task::Elbow};
 use graspcheck_motion::TrajectoryError;
 use graspcheck_proof::SceneError;
 
@@ -11,7 +11,7 @@ use crate::{
     joint_move::JointMoveError,
     opening::GripError,
     pace::PaceError,
-    path::{PathError, motion::AlongError},
+    path::{PathError, followed::FollowError, motion::AlongError},
     via_motion::ViaMotionError,
 };
 
@@ -131,6 +131,32 @@ pub enum PlanError {
     /// The bodies cannot be built.
     #[error("{0}")]
     Scene(#[from] SceneError),
+}
+
+impl PlanError {
+    /// Which of the ways in which no motion can exist this is: what a scenario that must fail in planning names. None
+    /// for input that makes no sense.
+    ///
+    /// ```
+    /// use graspcheck_model::{plan::NoMotion, task::Elbow};
+    /// use graspcheck_planner::{PlanError, branch::BranchFault};
+    ///
+    /// let fault = BranchFault::BranchChange { slope: 0.3 };
+    /// let error = PlanError::Via { elbow: Elbow::Left, at: 1.5, fault };
+    /// assert_eq!(error.no_motion(), Some(NoMotion::BranchChange));
+    /// assert_eq!(PlanError::NoSegment.no_motion(), None);
+    /// ```
+    #[must_use]
+    pub fn no_motion(&self) -> Option<NoMotion> {
+        match self {
+            Self::Unreachable(_) => Some(NoMotion::Unreachable),
+            Self::Line { error: LineError::Branch { fault, .. }, .. }
+            | Self::Along { error: AlongError::Follow(FollowError::Branch { fault, .. }), .. }
+            | Self::Via { fault, .. }
+            | Self::ViaStart { reason: fault, .. } => fault.no_motion(),
+            _ => None,
+        }
+    }
 }
 
 /// `left` or `right`.

@@ -101,6 +101,14 @@ impl Lfpb {
     /// The motion that passes near `positions` at `times`, s, with these durations of the blends at the
     /// points, s.
     ///
+    /// ```
+    /// use graspcheck_planner::lfpb::{BlendEnds, Lfpb};
+    /// // x of the worked example: the second point, 0, is missed by qdd t²/8 = -11/7 · 0.25/8.
+    /// let x = Lfpb::with_blend_times(&[0.0, 2.0, 4.0, 7.0], &[-4.0, 0.0, 3.0, 4.0], &[0.5; 4], BlendEnds::Inside)?;
+    /// assert!((x.misses()[1] + 11.0 / 224.0).abs() < 1e-14);
+    /// # Ok::<(), graspcheck_planner::lfpb::LfpbError>(())
+    /// ```
+    ///
     /// # Errors
     /// When the slices differ in length; as [`Lfpb::new`].
     pub fn with_blend_times(
@@ -114,6 +122,14 @@ impl Lfpb {
 
     /// The motion that passes near `positions` at `times`, s, with these magnitudes of the acceleration in the
     /// blends at the points, per s².
+    ///
+    /// ```
+    /// use graspcheck_planner::lfpb::{BlendEnds, Lfpb};
+    /// // 40° to 120° in 4 s: 20°/s² are the least that do, and leave no linear part.
+    /// let motion = Lfpb::with_accelerations(&[0.0, 4.0], &[40.0, 120.0], &[20.0; 2], BlendEnds::Inside)?;
+    /// assert!((motion.velocities()[0] - 40.0).abs() < 1e-6);
+    /// # Ok::<(), graspcheck_planner::lfpb::LfpbError>(())
+    /// ```
     ///
     /// # Errors
     /// When the slices differ in length; as [`Lfpb::new`].
@@ -284,6 +300,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::via::ViaError;
 
     const TIMES: [f64; 4] = [0.0, 2.0, 4.0, 7.0];
     const BLENDS: [f64; 4] = [0.5; 4];
@@ -384,15 +401,15 @@ mod tests {
         let of = |times: &[f64], positions: &[f64], blends: &[f64]| {
             Lfpb::with_blend_times(times, positions, blends, BlendEnds::Inside).unwrap_err()
         };
-        assert_eq!(of(&[0.0], &[1.0], &[0.1]), LfpbError::TooFewPoints { count: 1 });
+        assert_eq!(of(&[0.0], &[1.0], &[0.1]), LfpbError::Points(ViaError::TooFewPoints { count: 1 }));
         assert!(matches!(of(&[0.0, 1.0], &[1.0], &[0.1; 2]), LfpbError::PointCount { positions: 1, .. }));
         assert!(matches!(
             of(&[0.0, 1.0], &[1.0, f64::NAN], &[0.1; 2]),
-            LfpbError::NotFinite { point: 2, quantity: "position", .. }
+            LfpbError::Points(ViaError::NotFinite { quantity: "position", .. })
         ));
         assert!(matches!(
             of(&[0.0, 0.0], &[1.0, 2.0], &[0.1; 2]),
-            LfpbError::TimesNotIncreasing { point: 2, .. }
+            LfpbError::Points(ViaError::TimesNotIncreasing { point: 2, .. })
         ));
         assert!(matches!(
             of(&[0.0, 1.0], &[1.0, 2.0], &[0.1, 0.0]),

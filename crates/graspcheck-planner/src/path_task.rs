@@ -1,4 +1,4 @@
-//! Leading the tool along lines, screws, arcs and polylines.
+//! Leading the tool along lines, screws, arcs, polylines and splines.
 //!
 //! Each path begins where the one before it ended and is a phase of its own, from rest to rest. The tool is proved to
 //! stay within the tolerance of each; the plan keeps path and law, so that whoever reads it can prove it again.
@@ -6,7 +6,7 @@
 use graspcheck_model::{
     Pose,
     object::Object,
-    plan::{Holding, Plan, PlannedPath},
+    plan::{Holding, Plan, PlannedPath, TrackedPoint},
     robot::RobotModel,
     task::{Pace, PathCorner, PathSegment, PathShape, PathTask},
 };
@@ -27,8 +27,10 @@ use crate::{
         motion::along_path,
         rounded_polyline::{Corner, rounded_polyline},
         screw::screw_motion,
+        spline::through_points,
     },
     sequence::Sequence,
+    via_motion::spline_ends,
 };
 
 /// Plans the paths. An object that there is stays where it stands.
@@ -61,7 +63,8 @@ pub(crate) fn find(
         q = found.motion.eval(found.motion.duration()).q;
         sequence.add(name, &found.motion, holding)?;
         let phase = name.clone();
-        paths.push(PlannedPath { phase, path, law: found.law, tolerance: task.tolerance });
+        let (point, law) = (TrackedPoint::Tool, found.law);
+        paths.push(PlannedPath { phase, path, point, law, tolerance: task.tolerance });
     }
     let (trajectory, phases) = sequence.finish()?;
     let opening = idle(&robot.gripper, trajectory.duration())?;
@@ -104,6 +107,14 @@ fn tool_path(
                 PathCorner::Blend(tolerance) => Corner::Blend { tolerance },
             };
             rounded_polyline(&vertices, corner)
+        }
+        PathShape::Spline { points, turns, ends } => {
+            let start = world_from_tool.translation.vector;
+            let through = std::iter::once(start).chain(points.iter().map(|point| point + origin));
+            let angles: Vec<f64> = std::iter::once(0.0).chain(turns.iter().copied()).collect();
+            // x, y, z and the angle.
+            let ends = spline_ends(*ends, &[0.0; 4]);
+            through_points(&through.collect::<Vec<_>>(), &angles, &world_from_tool.rotation, up, &ends)
         }
     }
 }

@@ -1,6 +1,9 @@
 //! A pose that the tool goes to and leaves on straight lines, and the branches on which it can.
 
-use graspcheck_model::{Pose, plan::PlannedPath};
+use graspcheck_model::{
+    Pose,
+    plan::{PlannedPath, TrackedPoint},
+};
 use graspcheck_motion::Trajectory;
 
 use crate::{
@@ -105,7 +108,8 @@ impl Stop {
             let (path, found) = line_of(arm, from, goal, pace.share(phase), pace.duration(phase))?;
             let end = found.motion.eval(found.motion.duration()).q;
             let tolerance = PATH_TOLERANCE.position;
-            let planned = PlannedPath { phase: phase.to_owned(), path, law: found.law, tolerance };
+            let (phase, point) = (phase.to_owned(), TrackedPoint::Tool);
+            let planned = PlannedPath { phase, path, point, law: found.law, tolerance };
             Ok((Line { motion: found.motion, planned }, end))
         };
         let mut before = choice.q.clone();

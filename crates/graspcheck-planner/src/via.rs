@@ -27,9 +27,9 @@
 
 pub mod computed;
 pub mod imposed;
-mod points;
+pub(crate) mod points;
 pub mod spline;
-mod tridiagonal;
+pub(crate) mod tridiagonal;
 pub mod virtual_points;
 
 pub use points::{ViaError, ViaPoints};

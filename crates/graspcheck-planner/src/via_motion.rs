@@ -10,6 +10,7 @@ use crate::{
     lfpb::{Lfpb, LfpbError, LfpbMotion, LfpbPoint, Met},
     via::{
         ViaError, ViaPoints, computed, imposed,
+        points::Quantity,
         spline::{self, SplineEnd, SplineEnds},
         virtual_points::{self, EndState},
     },
@@ -37,6 +38,14 @@ pub enum ViaMotionError {
         count: usize,
         /// How many there must be.
         needed: usize,
+    },
+    /// A velocity is given for a point that is only passed near.
+    #[error(
+        "point {point}: a velocity belongs to a point that is met; say within which time, or leave it out"
+    )]
+    VelocityUnused {
+        /// Number of the point.
+        point: usize,
     },
     /// The motion would begin before the plan.
     #[error(
@@ -98,9 +107,17 @@ fn parabolic(
     if count != needed || blends.points.iter().any(|point| point.blends.len() != points.dof()) {
         return Err(ViaMotionError::BlendCount { count, needed });
     }
+    for (k, point) in blends.points.iter().enumerate() {
+        let Some(velocity) = &point.velocity else { continue };
+        if point.met.is_none() {
+            return Err(ViaMotionError::VelocityUnused { point: k + 1 });
+        }
+        points.check_joints(&format!("point {}", k + 1), Quantity::Velocity, velocity)?;
+    }
     let coordinate = |joint: usize| {
         let one = |((&time, positions), at): ((&f64, &Vec<f64>), &graspcheck_model::via::PointBlends)| {
-            let met = at.met.map(|bracket| Met { bracket, velocity: None });
+            let velocity = at.velocity.as_ref().map(|velocity| velocity[joint]);
+            let met = at.met.map(|bracket| Met { bracket, velocity });
             LfpbPoint { time, position: positions[joint], blend: at.blends[joint], met }
         };
         let of_joint: Vec<LfpbPoint> =
@@ -114,7 +131,8 @@ fn parabolic(
     Ok(LfpbMotion::new(coordinates)?)
 }
 
-fn spline_ends(condition: EndCondition, rest: &[f64]) -> SplineEnds {
+/// What a spline's ends ask for, with zeros for all coordinates.
+pub(crate) fn spline_ends(condition: EndCondition, rest: &[f64]) -> SplineEnds {
     match condition {
         EndCondition::AtRest => SplineEnds::both(SplineEnd::Velocity(rest.to_vec())),
         EndCondition::Natural => SplineEnds::both(SplineEnd::Natural),
@@ -199,12 +217,62 @@ mod tests {
     fn blends_are_counted_and_named_by_their_joint() {
         let mut law = ViaLaw::blends_of(0.5, 3, 2);
         let ViaLaw::ParabolicBlends(blends) = &mut law else { panic!() };
-        blends.points[1] =
-            PointBlends { blends: vec![Blend::Duration(0.5), Blend::Duration(0.0)], met: None };
+        blends.points[1] = PointBlends {
+            blends: vec![Blend::Duration(0.5), Blend::Duration(0.0)],
+            met: None,
+            velocity: None,
+        };
         let error = of(&[0.0, 1.0, 2.0], &law).unwrap_err();
         assert_eq!(error.to_string(), "elbow: point 2: blend time 0 must be a positive finite number");
         let error = of(&[0.0, 1.0, 2.0], &ViaLaw::blends_of(0.5, 2, 3)).unwrap_err();
         assert_eq!(error, ViaMotionError::BlendCount { count: 6, needed: 6 });
+    }
+
+    #[test]
+    fn a_point_is_met_at_the_velocity_that_is_given_or_that_of_the_rule() {
+        let mut law = ViaLaw::blends_of(0.2, 3, 2);
+        for (velocity, expected) in [(None, [0.75, 0.0]), (Some(vec![-0.3, 0.4]), [-0.3, 0.4])] {
+            let ViaLaw::ParabolicBlends(blends) = &mut law else { panic!() };
+            blends.points[1].met = Some(0.3);
+            blends.points[1].velocity = velocity;
+            let met = of(&[0.0, 1.0, 3.0], &law).unwrap().eval(1.0);
+            for (found, expected) in met.qd.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-12, "{met:?}");
+            }
+            assert!((met.q[0] - 1.0).abs() < 1e-12 && (met.q[1] - 1.0).abs() < 1e-12);
+        }
+        let ViaLaw::ParabolicBlends(blends) = &mut law else { panic!() };
+        blends.points[1].velocity = Some(vec![1.0]);
+        assert!(matches!(of(&[0.0, 1.0, 3.0], &law), Err(ViaMotionError::Points(_))));
+        let ViaLaw::ParabolicBlends(blends) = &mut law else { panic!() };
+        (blends.points[1].met, blends.points[1].velocity) = (None, Some(vec![1.0, 1.0]));
+        assert_eq!(of(&[0.0, 1.0, 3.0], &law), Err(ViaMotionError::VelocityUnused { point: 2 }));
+    }
+
+    /// The end of a motion as the model says it, from the points and the law alone.
+    #[test]
+    fn the_motion_ends_half_the_longest_blend_after_the_last_point() {
+        let times = [1.0, 2.0, 4.5];
+        let positions = [vec![0.0, 1.0], vec![1.0, -1.0], vec![3.0, 0.5]];
+        let point =
+            |blends: [Blend; 2], met, velocity| PointBlends { blends: blends.to_vec(), met, velocity };
+        let (time, rate) = (Blend::Duration, Blend::Acceleration);
+        let first = point([time(0.3), time(0.2)], None, None);
+        for middle in [
+            point([time(0.2), time(0.2)], None, None),
+            point([time(0.2), time(0.2)], Some(0.4), None),
+            point([time(0.2), time(0.2)], Some(0.4), Some(vec![2.0, -1.5])),
+        ] {
+            for last in [[time(0.4), time(0.1)], [rate(9.0), rate(5.0)], [rate(2.0), time(0.05)]] {
+                for ends in [BlendEnds::Centred, BlendEnds::Inside] {
+                    let points = vec![first.clone(), middle.clone(), point(last, None, None)];
+                    let law = ViaLaw::ParabolicBlends(ParabolicBlends { points, ends });
+                    let motion = via_motion(&times, &positions, &law, &["x", "y"]).unwrap();
+                    let expected = 4.5 + law.overrun(&times, &positions);
+                    assert!((motion.duration() - expected).abs() < 1e-12, "{} {law:?}", motion.duration());
+                }
+            }
+        }
     }
 
     #[test]

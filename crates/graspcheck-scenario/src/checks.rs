@@ -1,5 +1,6 @@
 //! `[check.NAME]` and what must come out.
 
+use graspcheck_model::plan::NoMotion;
 use graspcheck_verify::{CHECKS, CheckLimits, Expectation, is_meant_by};
 
 use crate::{
@@ -13,7 +14,8 @@ use crate::{
 };
 
 /// The tables that may stand under `[check]`.
-const NAMES: [&str; 7] = ["clearance", "tracking", "slip", "place", "saturation", "via_miss", "utilisation"];
+const NAMES: [&str; 8] =
+    ["clearance", "deviation", "tracking", "slip", "place", "saturation", "via_miss", "utilisation"];
 
 /// Reads `[check]`. A check without a table is not requested, except clearance, which has a default.
 pub(crate) fn checks<'a>(
@@ -33,10 +35,14 @@ pub(crate) fn checks<'a>(
             }
             "tracking" => complete &= length(&check, &mut limits.tracking),
             "slip" => complete &= length(&check, &mut limits.slip),
-            "via_miss" => complete &= length(&check, &mut limits.via_miss),
+            "deviation" => complete &= length(&check, &mut limits.deviation),
+            "via_miss" => {
+                complete &= length(&check, &mut limits.via_miss);
+                limits.via_miss_angle = angle(&check);
+            }
             "place" => {
                 complete &= length(&check, &mut limits.place);
-                limits.place_angle = check.measure("max", Quantity::Angle, Bound::Positive);
+                limits.place_angle = angle(&check);
             }
             "saturation" => match check.required("max_steps") {
                 Some(_) => {
@@ -67,6 +73,12 @@ fn length(check: &Section<'_>, limit: &mut Option<f64>) -> bool {
     limit.is_some()
 }
 
+/// Reads `max_deg`, which may be left out beside `max_mm`.
+fn angle(check: &Section<'_>) -> Option<f64> {
+    let is_given = Quantity::Angle.keys("max").any(|(key, _)| check.has(&key));
+    if is_given { check.measure("max", Quantity::Angle, Bound::Positive) } else { None }
+}
+
 fn unknown(name: &str, at: &Place, check: &Section<'_>) {
     let fault = Fault::new("unknown-check", at, format!("unknown check `{name}`"), "not a check");
     check.faults().report(match nearest(name, NAMES.into_iter()) {
@@ -78,12 +90,13 @@ fn unknown(name: &str, at: &Place, check: &Section<'_>) {
 /// Reports a check that would find nothing to look at.
 fn needs_its_task(name: &str, at: &Place, kind: Option<Kind>, check: &Section<'_>) {
     let Some(kind) = kind else { return };
-    let (needed, what) = match name {
-        "slip" | "place" => (Kind::PickAndPlace, "an object that is carried"),
-        "via_miss" => (Kind::Via, "via points"),
+    let (needed, what): (&[Kind], &str) = match name {
+        "slip" | "place" => (&[Kind::PickAndPlace], "an object that is carried"),
+        "via_miss" => (&[Kind::Via, Kind::JointVia], "via points"),
+        "deviation" => (&[Kind::PickAndPlace, Kind::Via, Kind::Path], "paths of the tool"),
         _ => return,
     };
-    if kind != needed {
+    if !needed.contains(&kind) {
         let title = format!("check `{name}` needs {what}, this task has none");
         check.faults().report(Fault::new("check-of-task", at, title, "remove it"));
     }
@@ -108,11 +121,16 @@ pub(crate) fn expectation(scenario: &Section<'_>) -> Option<Expectation> {
     }
     let named = |node| {
         let (name, at) = text("expect_fail", node, scenario.faults())?;
-        if CHECKS.iter().any(|check| is_meant_by(check.name, name)) {
+        let is_no_motion = NoMotion::ALL.iter().any(|reason| reason.name() == name);
+        if is_no_motion && nodes.len() > 1 {
+            let title = format!("`{name}` leaves no plan on which a check could fail");
+            scenario.faults().report(Fault::new("no-plan", at, title, "expect nothing else"));
+        }
+        if is_no_motion || CHECKS.iter().any(|check| is_meant_by(check.name, name)) {
             return Some(name.to_owned());
         }
-        let words =
-            CHECKS.iter().flat_map(|check| [Some(check.name), check.name.split('.').nth(1)]).flatten();
+        let words = CHECKS.iter().flat_map(|check| [Some(check.name), check.name.split('.').nth(1)]).flatten();
+        let words = words.chain(NoMotion::ALL.iter().map(|reason| reason.name()));
         let fault = Fault::new("unknown-check", at, format!("unknown check `{name}`"), "not a check");
         scenario.faults().report(match nearest(name, words) {
             Some(near) => fault.replace(format!("did you mean \"{near}\"?"), format!("\"{near}\"")),

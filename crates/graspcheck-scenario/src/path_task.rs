@@ -1,16 +1,17 @@
-//! The task `path`: lines, screws, arcs and polylines of the tool.
+//! The task `path`: lines, screws, arcs, polylines and splines of the tool.
 
 use graspcheck_model::{
     robot::RobotModel,
     task::{PathCorner, PathSegment, PathShape, PathTask},
+    via::EndCondition,
 };
 use nalgebra::Vector3;
 
 use crate::{
     fault::Fault,
     quantity::Quantity,
-    section::{Bound, Section, numbers, wrong_type},
-    task::{PATH_TOLERANCE_DEFAULT, start_position},
+    section::{Bound, Section, number, numbers, wrong_type},
+    task::{PATH_TOLERANCE_DEFAULT, at_least_one, segment_name, start_position},
     tree::Value,
 };
 
@@ -21,6 +22,7 @@ enum Kind {
     Screw,
     Arc,
     Polyline,
+    Spline,
 }
 
 /// How corners are made.
@@ -39,17 +41,15 @@ pub(crate) fn path(section: &Section<'_>, robot: Option<&RobotModel>) -> (Vec<St
     let mut names: Vec<String> = Vec::new();
     let mut segments: Vec<Option<PathSegment>> = Vec::new();
     for segment in section.sections("segment", "a segment") {
-        let name = segment.required_text("name");
-        if let Some((name, at)) = name {
-            if names.iter().any(|other| other == name) {
-                let title = format!("two segments are named `{name}`");
-                segment.faults().report(Fault::new("name", at, title, "names are unique"));
-            }
-            names.push(name.to_owned());
-        }
+        let name = segment_name(&segment, &mut names);
         let from_start = segment.word("points", &[("world", false), ("from_start", true)], Some(false));
-        let kinds =
-            [("line", Kind::Line), ("screw", Kind::Screw), ("arc", Kind::Arc), ("polyline", Kind::Polyline)];
+        let kinds = [
+            ("line", Kind::Line),
+            ("screw", Kind::Screw),
+            ("arc", Kind::Arc),
+            ("polyline", Kind::Polyline),
+            ("spline", Kind::Spline),
+        ];
         let shape = match segment.word("kind", &kinds, None) {
             Some(kind) => shape(&segment, kind),
             // Without a kind nobody knows which keys belong here.
@@ -59,15 +59,10 @@ pub(crate) fn path(section: &Section<'_>, robot: Option<&RobotModel>) -> (Vec<St
             }
         };
         segment.finish();
-        let read = || Some(PathSegment { name: name?.0.to_owned(), from_start: from_start?, shape: shape? });
+        let read = || Some(PathSegment { name: name?, from_start: from_start?, shape: shape? });
         segments.push(read());
     }
-    if segments.is_empty() {
-        let title = "a motion has at least one segment";
-        section.faults().report(Fault::new("missing-key", section.place(), title, "add [[task.segment]]"));
-        return (names, None);
-    }
-    let segments = segments.into_iter().collect::<Option<Vec<_>>>();
+    let segments = at_least_one(section, segments);
     let read = || Some(PathTask { start: start?, tolerance: tolerance?, segments: segments? });
     (names, read())
 }
@@ -114,10 +109,40 @@ fn shape(segment: &Section<'_>, kind: Kind) -> Option<PathShape> {
             };
             Some(PathShape::Polyline { points: points?, corner: corner? })
         }
+        Kind::Spline => {
+            let points = points(segment);
+            let turns = match segment.mentions("turn") {
+                true => turns(segment, points.as_ref().map(Vec::len)),
+                false => points.as_ref().map(|points| vec![0.0; points.len()]),
+            };
+            let words = [
+                ("natural", EndCondition::Natural),
+                ("not_a_knot", EndCondition::NotAKnot),
+                ("periodic", EndCondition::Periodic),
+            ];
+            let ends = segment.word("spline_ends", &words, Some(EndCondition::Natural));
+            Some(PathShape::Spline { points: points?, turns: turns?, ends: ends? })
+        }
     }
 }
 
-/// Reads `points_mm`, a list of points.
+/// Reads `turn_deg`, a list of an angle for each of so many points.
+fn turns(segment: &Section<'_>, count: Option<usize>) -> Option<Vec<f64>> {
+    let (key, entry, to_si) = segment.with_unit("turn", Quantity::Angle)?;
+    let Value::Array(nodes) = &entry.node.value else {
+        wrong_type(&key, &entry.node, "a list of angles", segment.faults());
+        return None;
+    };
+    if count.is_some_and(|count| count != nodes.len()) {
+        let title = format!("{key} has {} angles for {} points", nodes.len(), count.unwrap_or(0));
+        let fault = Fault::new("range", &entry.node.at, title, "give one for each point of `at`");
+        segment.faults().report(fault);
+        return None;
+    }
+    nodes.iter().map(|node| number(&key, node, Bound::Any, segment.faults()).map(to_si)).collect()
+}
+
+/// Reads `at_mm`, a list of points.
 fn points(segment: &Section<'_>) -> Option<Vec<Vector3<f64>>> {
     if !segment.mentions("at") {
         segment.missing(&Quantity::Length.key("at"));

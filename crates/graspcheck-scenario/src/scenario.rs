@@ -151,6 +151,11 @@ fn read_task(
             unknown_phase(&phase.pace.phase, phase.at, &read.phases, file);
             continue;
         }
+        if phase.pace.share.is_some() && matches!(kind, Kind::Via | Kind::JointVia) {
+            let title = "via points have times of their own: no share of the limits is used";
+            let label = "write `duration_s` to stretch them";
+            file.faults().report(Fault::new("timed-phase", phase.at, title, label));
+        }
         let is_joint_move = match kind {
             Kind::PickAndPlace => JOINT_MOVES.contains(&phase.pace.phase.as_str()),
             Kind::Segments => true,

@@ -31,6 +31,9 @@ pub(crate) const ARM_PHASES: [&str; 6] = ["approach", "descend", "lift", "carry"
 /// Those of them that are joint moves.
 pub(crate) const JOINT_MOVES: [&str; 2] = ["approach", "carry"];
 
+/// The only phase of a motion through via points.
+const VIA_PHASE: &str = "via";
+
 /// The kind of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -70,8 +73,14 @@ pub(crate) fn task(
             phases.extend(ARM_PHASES.map(str::to_owned));
             pick_and_place(&section, robot, object, grip).map(Task::PickAndPlace)
         }
-        Some(Kind::Via) => via_task::of_wrist(&section).map(Task::CartesianVia),
-        Some(Kind::JointVia) => via_task::of_joints(&section, robot).map(Task::JointVia),
+        Some(Kind::Via) => {
+            phases.push(VIA_PHASE.to_owned());
+            via_task::of_wrist(&section).map(Task::CartesianVia)
+        }
+        Some(Kind::JointVia) => {
+            phases.push(VIA_PHASE.to_owned());
+            via_task::of_joints(&section, robot).map(Task::JointVia)
+        }
         Some(Kind::Segments) => {
             let (names, segments) = segments(&section, robot);
             phases = names;
@@ -215,14 +224,7 @@ fn segments(section: &Section<'_>, robot: Option<&RobotModel>) -> (Vec<String>, 
     let mut segments: Vec<Option<JointSegment>> = Vec::new();
     let mut last_end: Option<Vec<f64>> = None;
     for segment in section.sections("segment", "a segment") {
-        let name = segment.required_text("name");
-        if let Some((name, at)) = name {
-            if names.iter().any(|other| other == name) {
-                let title = format!("two segments are named `{name}`");
-                segment.faults().report(Fault::new("name", at, title, "names are unique"));
-            }
-            names.push(name.to_owned());
-        }
+        let name = segment_name(&segment, &mut names);
         let from = match (segments.is_empty(), segment.has("from")) {
             (false, false) => last_end.clone(),
             _ => segment.required_section("from", "joint positions").and_then(|from| values(from, robot)),
@@ -230,16 +232,32 @@ fn segments(section: &Section<'_>, robot: Option<&RobotModel>) -> (Vec<String>, 
         let to = segment.required_section("to", "joint positions").and_then(|to| values(to, robot));
         segment.finish();
         last_end.clone_from(&to);
-        let read = || Some(JointSegment { name: name?.0.to_owned(), from: from?, to: to? });
+        let read = || Some(JointSegment { name: name?, from: from?, to: to? });
         segments.push(read());
     }
+    let segments = at_least_one(section, segments);
+    (names, segments.map(|segments| JointSegments { segments }))
+}
+
+/// The name of a segment, which becomes one of `names`; a name that is there already is reported.
+pub(crate) fn segment_name(segment: &Section<'_>, names: &mut Vec<String>) -> Option<String> {
+    let (name, at) = segment.required_text("name")?;
+    if names.iter().any(|other| other == name) {
+        let title = format!("two segments are named `{name}`");
+        segment.faults().report(Fault::new("name", at, title, "names are unique"));
+    }
+    names.push(name.to_owned());
+    Some(name.to_owned())
+}
+
+/// All segments, if each could be read; that there is none is reported.
+pub(crate) fn at_least_one<T>(section: &Section<'_>, segments: Vec<Option<T>>) -> Option<Vec<T>> {
     if segments.is_empty() {
         let title = "a motion has at least one segment";
         section.faults().report(Fault::new("missing-key", section.place(), title, "add [[task.segment]]"));
-        return (names, None);
+        return None;
     }
-    let segments = segments.into_iter().collect::<Option<Vec<_>>>();
-    (names, segments.map(|segments| JointSegments { segments }))
+    segments.into_iter().collect()
 }
 
 fn values(section: Section<'_>, robot: Option<&RobotModel>) -> Option<Vec<f64>> {

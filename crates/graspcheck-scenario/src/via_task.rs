@@ -58,8 +58,10 @@ struct Point<'a> {
 trait Coordinates {
     /// Position, rad or m.
     fn position(&self, point: &Section<'_>) -> Option<Vec<f64>>;
-    /// Velocity: zeros where the file may leave it out and does.
-    fn velocity(&self, point: &Section<'_>, may_be_zero: bool) -> Option<Vec<f64>>;
+    /// Whether a velocity is given.
+    fn has_velocity(&self, point: &Section<'_>) -> bool;
+    /// Velocity.
+    fn velocity(&self, point: &Section<'_>) -> Option<Vec<f64>>;
     /// Whether accelerations of the blend are given.
     fn has_accelerations(&self, point: &Section<'_>) -> bool;
     /// Accelerations of the blend.
@@ -79,10 +81,11 @@ impl Coordinates for Wrist {
         Some(vec![x, y, theta])
     }
 
-    fn velocity(&self, point: &Section<'_>, may_be_zero: bool) -> Option<Vec<f64>> {
-        if may_be_zero && !point.mentions("wrist_velocity") && !point.mentions("theta_velocity") {
-            return Some(vec![0.0; 3]);
-        }
+    fn has_velocity(&self, point: &Section<'_>) -> bool {
+        point.mentions("wrist_velocity") || point.mentions("theta_velocity")
+    }
+
+    fn velocity(&self, point: &Section<'_>) -> Option<Vec<f64>> {
         let wrist: Option<[f64; 2]> = point.required_measures("wrist_velocity", Quantity::Speed);
         let theta = point.required_measure("theta_velocity", Quantity::AngularSpeed, Bound::Any);
         let ([x, y], theta) = (wrist?, theta?);
@@ -142,10 +145,11 @@ impl Coordinates for Joints<'_> {
         self.of_each(at, Quantity::Angle, Quantity::Length, Bound::Any)
     }
 
-    fn velocity(&self, point: &Section<'_>, may_be_zero: bool) -> Option<Vec<f64>> {
-        if may_be_zero && !point.has("velocity") {
-            return Some(vec![0.0; self.count()]);
-        }
+    fn has_velocity(&self, point: &Section<'_>) -> bool {
+        point.has("velocity")
+    }
+
+    fn velocity(&self, point: &Section<'_>) -> Option<Vec<f64>> {
         let velocity = point.required_section("velocity", "joint velocities")?;
         self.of_each(velocity, Quantity::AngularSpeed, Quantity::Speed, Bound::Any)
     }
@@ -238,7 +242,11 @@ fn points<'a>(
         let t = point.required_measure("t", Quantity::Time, Bound::NotNegative);
         let position = coordinates.position(&point);
         let velocity = match method {
-            Some(Method::Imposed) => coordinates.velocity(&point, is_end),
+            // At the ends it may be left out: then the motion begins or ends at rest.
+            Some(Method::Imposed) if is_end && !coordinates.has_velocity(&point) => {
+                Some(vec![0.0; coordinates.count()])
+            }
+            Some(Method::Imposed) => coordinates.velocity(&point),
             _ => None,
         };
         let blends = match method {
@@ -265,6 +273,15 @@ fn blends(
         point.faults().report(Fault::new("met-end", at, title, label));
         return None;
     }
+    let velocity = match coordinates.has_velocity(point) {
+        true => Some(coordinates.velocity(point)),
+        false => None,
+    };
+    if velocity.is_some() && !has_met {
+        let title = "a velocity belongs to a via point that is met";
+        let label = "add `met_within_s`, or leave the velocity out";
+        point.faults().report(Fault::new("not-met", point.place(), title, label));
+    }
     let blends = if coordinates.has_accelerations(point) {
         if point.mentions("blend") {
             point.measure("blend", Quantity::Time, Bound::Positive);
@@ -284,7 +301,15 @@ fn blends(
         };
         vec![Blend::Duration(duration?); coordinates.count()]
     };
-    (met.is_some() == has_met).then(|| PointBlends { blends, met: met.map(|(bracket, _)| bracket) })
+    if met.is_some() != has_met || velocity.is_some() && !has_met {
+        return None;
+    }
+    // A velocity that could not be read is none, which was reported.
+    let velocity = match velocity {
+        Some(velocity) => Some(velocity?),
+        None => None,
+    };
+    Some(PointBlends { blends, met: met.map(|(bracket, _)| bracket), velocity })
 }
 
 /// Reports every point that does not come after the one before it.

@@ -9,10 +9,12 @@ use std::{
 };
 
 use graspcheck_model::{
-    task::{CartesianVia, JointVia, Task},
+    plan::NoMotion,
+    task::{CartesianVia, JointVia, PathShape, Task},
     via::{Blend, BlendEnds, EndCondition, ViaLaw},
 };
 use graspcheck_scenario::{LoadError, Scenario, load};
+use graspcheck_verify::Expectation;
 
 /// A folder of its own for one test, with the planar arm of the repository.
 fn folder(test: &str) -> PathBuf {
@@ -114,6 +116,15 @@ fn blends_come_from_the_task_from_the_point_or_from_accelerations() {
         (&[Blend::Duration(0.3); 3][..], Some(0.2))
     );
 
+    let met = |velocity: &str| format!("met_within_s = 0.2\n{velocity}");
+    let velocity = met("wrist_velocity_mm_s = [300, -200]\ntheta_velocity_rad_s = 0.1");
+    let found = blends(wrist_task("met", "blend_s = 0.4", &velocity).law);
+    assert_eq!(found.points[1].velocity, Some(vec![0.3, -0.2, 0.1]));
+    let velocity = met("velocity = { shoulder_rad_s = 0.5, elbow_rad_s = 0, wrist_rad_s = -1 }");
+    let found = blends(joint_task("joint_met", "method = \"lfpb\"\nblend_s = 0.4", &velocity).law);
+    assert_eq!(found.points[1].velocity, Some(vec![0.5, 0.0, -1.0]));
+    assert_eq!(found.points[0].velocity, None);
+
     let accelerations = "wrist_acceleration_m_s2 = [2, 3]\ntheta_acceleration_rad_s2 = 1.5";
     let found = blends(wrist_task("accelerations", "blend_s = 0.4", accelerations).law);
     assert_eq!(found.points[1].blends, [2.0, 3.0, 1.5].map(Blend::Acceleration));
@@ -181,6 +192,12 @@ fn each_fault_is_named_and_located() {
             "either a blend time or accelerations",
         ),
         (
+            wrist("blend_s = 0.4", "wrist_velocity_mm_s = [300, -200]\ntheta_velocity_rad_s = 0.1"),
+            "not-met",
+            "[[task.via]]",
+            "a velocity belongs to a via point that is met",
+        ),
+        (
             wrist("blend_s = 0.4", "met_within_s = -0.1"),
             "range",
             "-0.1",
@@ -198,6 +215,74 @@ fn each_fault_is_named_and_located() {
             .unwrap_or_else(|| panic!("{task} gives\n{error}"));
         assert_eq!(&error.sources[fault.source].text[fault.span.clone()], text, "{title}");
     }
+}
+
+/// A spline of the tool with these keys.
+fn spline(keys: &str) -> String {
+    let start = "start = { shoulder_deg = 20, elbow_deg = 70, wrist_deg = -40 }";
+    format!("kind = \"path\"\n{start}\n[[task.segment]]\nname = \"bend\"\nkind = \"spline\"\n{keys}\n")
+}
+
+#[test]
+fn a_path_can_be_a_spline() {
+    let shape = |test: &str, keys: &str| match read(test, &spline(keys)).expect("no fault").resolved.task {
+        Task::Path(task) => task.segments[0].shape.clone(),
+        other => panic!("{other:?}"),
+    };
+    let found = shape("spline", "at_mm = [[1000, 0, 0], [2000, 500, 0]]\nturn_rad = [0.5, 1]");
+    let PathShape::Spline { points, turns, ends } = found else { panic!("{found:?}") };
+    assert_eq!((points[1].x, points[1].y, turns, ends), (2.0, 0.5, vec![0.5, 1.0], EndCondition::Natural));
+    let found = shape("spline_ends", "at_m = [[1, 0, 0]]\nspline_ends = \"not_a_knot\"");
+    let PathShape::Spline { turns, ends, .. } = found else { panic!("{found:?}") };
+    assert_eq!((turns, ends), (vec![0.0], EndCondition::NotAKnot));
+    let error =
+        read("spline_turns", &spline("at_mm = [[1000, 0, 0]]\nturn_deg = [1, 2]")).expect_err("a fault");
+    assert!(error.to_string().contains("turn_deg has 2 angles for 1 points"), "{error}");
+}
+
+#[test]
+fn a_limit_of_the_angle_may_be_left_out_and_the_deviation_needs_a_path() {
+    let with =
+        |test: &str, check: &str| read(test, &format!("{}\n[check]\n{check}", wrist("blend_s = 0.4", "")));
+    let limits = |test: &str, check: &str| with(test, check).expect("no fault").resolved.checks;
+    let found = limits("via_mm", "via_miss = { max_mm = 3 }");
+    assert_eq!((found.via_miss, found.via_miss_angle), (Some(0.003), None));
+    let found = limits("via_deg", "via_miss = { max_mm = 3, max_rad = 0.1 }\ndeviation = { max_mm = 0.002 }");
+    assert_eq!((found.via_miss_angle, found.deviation), (Some(0.1), Some(2e-6)));
+    let joints = joints("method = \"lfpb\"\nblend_s = 0.4", "");
+    let judged = |check: &str| format!("{joints}\n[check]\n{check}");
+    assert!(read("joint_via_miss", &judged("via_miss = { max_mm = 3 }")).is_ok());
+    let error = read("joint_deviation", &judged("deviation = { max_mm = 3 }")).expect_err("a fault");
+    assert!(error.to_string().contains("check `deviation` needs paths of the tool"), "{error}");
+}
+
+#[test]
+fn the_phase_of_via_points_has_a_duration_and_no_share() {
+    let with = |test: &str, key: &str| read(test, &format!("{}\n[phase.via]\n{key}", wrist("blend_s = 0.4", "")));
+    let pace = with("via_duration", "duration_s = 9").expect("no fault").resolved.pace;
+    assert_eq!((pace.phases[0].phase.as_str(), pace.phases[0].duration), ("via", Some(9.0)));
+    let error = with("via_share", "speed_percent = 50").expect_err("a fault");
+    assert_eq!(error.faults[0].code, "timed-phase", "{error}");
+}
+
+#[test]
+fn that_there_is_no_plan_is_expected_alone() {
+    let expecting = |test: &str, names: &str| {
+        let path = folder(test).join("via.toml");
+        let task = wrist("blend_s = 0.4", "");
+        let head = format!("schema = 1\ntitle = \"via\"\nrobot = \"rrr\"\nexpect_fail = [{names}]\n");
+        fs::write(&path, format!("{head}\n[task]\n{task}")).expect("the folder is there");
+        load(&path)
+    };
+    for reason in NoMotion::ALL {
+        let name = reason.name();
+        let found = expecting(name, &format!("\"{name}\"")).expect("no fault").resolved.expect;
+        assert_eq!(found, Expectation::Fail(vec![name.to_owned()]));
+    }
+    let error = expecting("both", "\"plan.branch\", \"planned.velocity\"").expect_err("a fault");
+    assert_eq!(error.faults[0].code, "no-plan", "{error}");
+    let error = expecting("misspelt", "\"plan.unreachabel\"").expect_err("a fault");
+    assert!(error.faults[0].code == "unknown-check", "{error}");
 }
 
 #[test]

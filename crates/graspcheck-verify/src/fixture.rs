@@ -305,6 +305,8 @@ pub(crate) fn pick() -> Run {
             place_angle: Some(0.02),
             saturated_steps: Some(0),
             via_miss: None,
+            via_miss_angle: None,
+            deviation: None,
             utilisation_min: None,
         },
         expect: Expectation::Pass,

@@ -49,8 +49,13 @@ pub struct CheckLimits {
     pub place_angle: Option<f64>,
     /// Largest number of steps in which a joint's command was limited.
     pub saturated_steps: Option<u32>,
-    /// Largest distance by which a via point of an LFPB motion is missed, m.
+    /// Largest distance by which a via point is missed, m.
     pub via_miss: Option<f64>,
+    /// Largest angle by which a via point is missed, rad.
+    pub via_miss_angle: Option<f64>,
+    /// Largest deviation from the paths on which the tool or the wrist is led, m and rad, where it is less than the
+    /// tolerance that they are planned with.
+    pub deviation: Option<f64>,
     /// Least peak utilisation of velocity, acceleration and torque that the scenario claims to reach, as
     /// shares of the limits; it fails when the motion is slower than it claims.
     pub utilisation_min: Option<f64>,
@@ -62,6 +67,7 @@ pub struct CheckLimits {
 pub enum Expectation {
     /// Every check passes.
     Pass,
-    /// Exactly these checks fail; `clearance` stands for `planned.clearance` or `executed.clearance`.
+    /// Exactly these checks fail; `clearance` stands for `planned.clearance` or `executed.clearance`. Or there is no
+    /// plan, for the one reason that is named ([`NoMotion`](graspcheck_model::plan::NoMotion)).
     Fail(Vec<String>),
 }

@@ -1,6 +1,6 @@
 //! Why a branch of the inverse kinematics cannot be followed along a path.
 
-use graspcheck_model::{inverse::Unreachable, task::Elbow};
+use graspcheck_model::{inverse::Unreachable, plan::NoMotion, task::Elbow};
 
 use crate::error::elbow_word;
 
@@ -130,6 +130,21 @@ pub enum BranchFault {
         /// What is allowed.
         tolerance: f64,
     },
+}
+
+impl BranchFault {
+    /// Which of the ways to fail of section 7 of the worked examples this is; none where only the fit does not
+    /// converge.
+    #[must_use]
+    pub fn no_motion(&self) -> Option<NoMotion> {
+        match self {
+            Self::OutOfReach { .. } | Self::Limit { .. } => Some(NoMotion::Unreachable),
+            Self::NearSingular { .. } => Some(NoMotion::NearSingular),
+            Self::OtherBranch { .. } => Some(NoMotion::Branch),
+            Self::BranchChange { .. } => Some(NoMotion::BranchChange),
+            Self::NotConverging { .. } => None,
+        }
+    }
 }
 
 /// The hole that an elbow's limit leaves, as part of a message.

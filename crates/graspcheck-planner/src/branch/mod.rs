@@ -11,6 +11,20 @@
 //!
 //! The exception: a path that *touches* the singular circle where the arm is straight or folded changes branch
 //! there at finite speed. It is named for what it is, [`BranchFault::BranchChange`], with that speed.
+//!
+//! ```
+//! use graspcheck_model::example;
+//! use graspcheck_planner::{branch::BranchFault, path::{FollowedPath, FollowError, line::straight_line}};
+//! use nalgebra::Isometry3;
+//!
+//! // Outwards from a wrist at 5 m of an arm that reaches 7 m: out of reach after 2 m of 4, s = 1/2.
+//! let (robot, from) = (example::planar(), [-0.75_f64.atan(), std::f64::consts::FRAC_PI_2, -0.927_295_218]);
+//! let start = robot.world_from_tool(&from);
+//! let line = straight_line(&start, &(Isometry3::translation(4.0, 0.0, 0.0) * start))?;
+//! let Err(FollowError::Branch { at, fault }) = FollowedPath::new(&robot, &line, &from) else { panic!() };
+//! assert!((at - 0.5).abs() < 1e-6 && matches!(fault, BranchFault::OutOfReach { .. }));
+//! # Ok::<(), graspcheck_planner::path::PathError>(())
+//! ```
 
 mod fault;
 mod singular;

@@ -5,6 +5,8 @@
 //! of reach where it is more. All three questions are answered by halving the path and enclosing g over the
 //! halves.
 
+use std::ops::ControlFlow;
+
 use graspcheck_motion::{Interval, Jet, Scalar};
 
 use super::{
@@ -79,31 +81,52 @@ impl<'a> Singularity<'a> {
         ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt()
     }
 
-    /// The first place between two at which g is not proved to be as `holds` says.
-    fn first_place(&self, from: f64, to: f64, holds: impl Fn(Interval) -> bool, sign: f64) -> Option<f64> {
+    /// Looks at the path between two places cell by cell, in order: `look` says of a cell of a segment whether its
+    /// halves are to be looked at in its place, or that the search ends.
+    fn walk(&self, from: f64, to: f64, mut look: impl FnMut(usize, f64, f64) -> ControlFlow<(), bool>) {
         let path = self.tracker.path;
-        let shortest = PLACE_TOLERANCE * self.length;
         let mut todo = Vec::with_capacity(64);
         for segment in path.segment_at(from)..path.segment_count() {
             let [start, end] = path.segment(segment);
             if start >= to {
-                break;
+                return;
             }
             todo.push((start.max(from), end.min(to)));
             while let Some((start, end)) = todo.pop() {
-                let (_, cos) = self.tracker.cosine(segment, start, end);
-                if holds(cos.value().scaled(sign)) {
-                    continue;
+                match look(segment, start, end) {
+                    ControlFlow::Break(()) => return,
+                    ControlFlow::Continue(false) => {}
+                    ControlFlow::Continue(true) => {
+                        let middle = 0.5 * (start + end);
+                        todo.push((middle, end));
+                        todo.push((start, middle));
+                    }
                 }
-                if end - start <= shortest {
-                    return Some(start);
-                }
-                let middle = 0.5 * (start + end);
-                todo.push((middle, end));
-                todo.push((start, middle));
             }
         }
-        None
+    }
+
+    /// Bounds on g over a cell.
+    fn enclosed(&self, segment: usize, start: f64, end: f64, sign: f64) -> Interval {
+        let (_, cos) = self.tracker.cosine(segment, start, end);
+        cos.value().scaled(sign)
+    }
+
+    /// The first place between two at which g is not proved to be as `holds` says.
+    fn first_place(&self, from: f64, to: f64, holds: impl Fn(Interval) -> bool, sign: f64) -> Option<f64> {
+        let shortest = PLACE_TOLERANCE * self.length;
+        let mut found = None;
+        self.walk(from, to, |segment, start, end| {
+            if holds(self.enclosed(segment, start, end, sign)) {
+                return ControlFlow::Continue(false);
+            }
+            if end - start <= shortest {
+                found = Some(start);
+                return ControlFlow::Break(());
+            }
+            ControlFlow::Continue(true)
+        });
+        found
     }
 
     /// Where the path is in reach again after `outside`, or its end: steps grow while they are proved to be out
@@ -116,8 +139,7 @@ impl<'a> Singularity<'a> {
         while at < end {
             let segment = path.segment_at(at);
             let next = (at + step).min(path.segment(segment)[1]).min(end);
-            let (_, cos) = self.tracker.cosine(segment, at, next);
-            let g = cos.value().scaled(sign);
+            let g = self.enclosed(segment, at, next, sign);
             if g.lower() > 1.0 {
                 at = next;
                 step *= 2.0;
@@ -134,32 +156,19 @@ impl<'a> Singularity<'a> {
 
     /// The place between two at which g is largest.
     fn place_of_largest(&self, from: f64, to: f64, sign: f64) -> f64 {
-        let path = self.tracker.path;
         let g = |at: f64| sign * self.cosine_at(at);
         let mut best = if g(from) >= g(to) { (from, g(from)) } else { (to, g(to)) };
         let shortest = RESOLUTION * self.length;
-        let mut todo = Vec::with_capacity(64);
-        for segment in path.segment_at(from)..path.segment_count() {
-            let [start, end] = path.segment(segment);
-            if start >= to {
-                break;
+        self.walk(from, to, |segment, start, end| {
+            let middle = 0.5 * (start + end);
+            let at_middle = g(middle);
+            if at_middle > best.1 {
+                best = (middle, at_middle);
             }
-            todo.push((start.max(from), end.min(to)));
-            while let Some((start, end)) = todo.pop() {
-                let middle = 0.5 * (start + end);
-                let at_middle = g(middle);
-                if at_middle > best.1 {
-                    best = (middle, at_middle);
-                }
-                let (_, cos) = self.tracker.cosine(segment, start, end);
-                // Rounding of g is what a place cannot be better by.
-                let promising = cos.value().scaled(sign).upper() > best.1 + 4.0 * f64::EPSILON;
-                if promising && end - start > shortest {
-                    todo.push((middle, end));
-                    todo.push((start, middle));
-                }
-            }
-        }
+            // Rounding of g is what a place cannot be better by.
+            let most = self.enclosed(segment, start, end, sign).upper();
+            ControlFlow::Continue(most > best.1 + 4.0 * f64::EPSILON && end - start > shortest)
+        });
         best.0
     }
 

@@ -4,6 +4,8 @@ use std::fmt;
 
 use graspcheck_model::via::Blend;
 
+use crate::via::ViaError;
+
 /// A place of the motion: a point, counted from 1, or one of the pseudo via points about a point that must be
 /// met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,12 +54,9 @@ impl fmt::Display for Remedy {
 /// Why there is no LFPB motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LfpbError {
-    /// Fewer than two points.
-    #[error("an LFPB motion needs at least two points, got {count}")]
-    TooFewPoints {
-        /// How many were given.
-        count: usize,
-    },
+    /// The points make no sense, whatever the law.
+    #[error(transparent)]
+    Points(#[from] ViaError),
     /// The numbers of times, positions and blends differ.
     #[error(
         "an LFPB motion needs a time, a position and a blend for each point, got {times}, {positions} and {blends}"
@@ -69,26 +68,6 @@ pub enum LfpbError {
         positions: usize,
         /// How many blends.
         blends: usize,
-    },
-    /// A number is NaN or infinite.
-    #[error("point {point}: {quantity} {value} must be finite")]
-    NotFinite {
-        /// Number of the point.
-        point: usize,
-        /// `time`, `position` or `velocity`.
-        quantity: &'static str,
-        /// What was given.
-        value: f64,
-    },
-    /// A point does not come after the one before it.
-    #[error("point {point}: time {time} s must be later than that of the point before it, {previous} s")]
-    TimesNotIncreasing {
-        /// Number of the point.
-        point: usize,
-        /// Its time, s.
-        time: f64,
-        /// The time of the point before it, s.
-        previous: f64,
     },
     /// A blend takes no time, which needs infinite acceleration, or has none, or a bracket is empty.
     #[error("point {point}: {quantity} {value} must be a positive finite number")]

@@ -1,12 +1,12 @@
 //! Points that must be met: each is bracketed by two pseudo via points, so that it lies on a line.
 
-use graspcheck_model::via::{Blend, BlendEnds};
+use graspcheck_model::via::{Blend, BlendEnds, velocity_by_signs};
 
 use super::{
     course::Course,
     error::{LfpbError, Place},
 };
-use crate::via::computed::of_slopes;
+use crate::via::ViaError;
 
 /// A point that a coordinate passes, near or exactly.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +43,20 @@ impl LfpbPoint {
 
     /// A point to be met on a line between pseudo via points that are due `bracket` seconds before and
     /// after it, at the velocity of the rule of signs.
+    ///
+    /// ```
+    /// use graspcheck_planner::lfpb::{Blend, BlendEnds, Lfpb, LfpbPoint};
+    /// let blend = Blend::Duration(0.2);
+    /// let points = [
+    ///     LfpbPoint::near(0.0, 0.0, blend),
+    ///     LfpbPoint::met(1.0, 1.0, blend, 0.3),
+    ///     LfpbPoint::near(2.0, 3.0, blend),
+    /// ];
+    /// let motion = Lfpb::new(&points, BlendEnds::Inside)?;
+    /// // Met, at the mean of the slopes 1 and 2.
+    /// assert!((motion.eval(1.0)[0] - 1.0).abs() < 1e-15 && (motion.eval(1.0)[1] - 1.5).abs() < 1e-14);
+    /// # Ok::<(), graspcheck_planner::lfpb::LfpbError>(())
+    /// ```
     #[must_use]
     pub fn met(time: f64, position: f64, blend: Blend, bracket: f64) -> Self {
         Self { time, position, blend, met: Some(Met { bracket, velocity: None }) }
@@ -52,7 +66,8 @@ impl LfpbPoint {
         let velocity = self.met.and_then(|met| met.velocity).unwrap_or(0.0);
         for (quantity, value) in [("time", self.time), ("position", self.position), ("velocity", velocity)] {
             if !value.is_finite() {
-                return Err(LfpbError::NotFinite { point, quantity, value });
+                let place = format!("point {point}");
+                return Err(ViaError::NotFinite { place, quantity, value }.into());
             }
         }
         let blend = match self.blend {
@@ -75,7 +90,7 @@ impl LfpbPoint {
 /// end is to be met by pseudo via points, or a bracket is too wide.
 pub(super) fn course(points: &[LfpbPoint], ends: BlendEnds) -> Result<Course, LfpbError> {
     if points.len() < 2 {
-        return Err(LfpbError::TooFewPoints { count: points.len() });
+        return Err(ViaError::TooFewPoints { count: points.len() }.into());
     }
     for (k, point) in points.iter().enumerate() {
         point.check(k + 1)?;
@@ -83,7 +98,7 @@ pub(super) fn course(points: &[LfpbPoint], ends: BlendEnds) -> Result<Course, Lf
     for (k, pair) in points.windows(2).enumerate() {
         let [previous, time] = [pair[0].time, pair[1].time];
         if time <= previous {
-            return Err(LfpbError::TimesNotIncreasing { point: k + 2, time, previous });
+            return Err(ViaError::TimesNotIncreasing { point: k + 2, time, previous }.into());
         }
     }
     let mut course = Course { places: vec![], times: vec![], positions: vec![], blends: vec![], ends };
@@ -107,7 +122,8 @@ pub(super) fn course(points: &[LfpbPoint], ends: BlendEnds) -> Result<Course, Lf
             return Err(LfpbError::EndBracketed { point: number });
         };
         let slope = |a: &LfpbPoint, b: &LfpbPoint| (b.position - a.position) / (b.time - a.time);
-        let velocity = velocity.unwrap_or_else(|| of_slopes(slope(before, point), slope(point, after)));
+        let velocity =
+            velocity.unwrap_or_else(|| velocity_by_signs(slope(before, point), slope(point, after)));
         let wide = |below, neighbour| LfpbError::BracketTooWide { point: number, bracket, below, neighbour };
         if time - bracket <= previous.1 {
             return Err(wide(time - previous.1, previous.0));

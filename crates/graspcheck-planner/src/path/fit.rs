@@ -6,7 +6,8 @@
 //! accelerations and jerks (one-sided where the law has a corner); a quintic joins two knots. Pieces are
 //! halved until the deviation of the tool from the path is **proved** to be within the tolerance
 //! ([`graspcheck_proof::deviation`]), and until velocity, acceleration and jerk, compared with the exact ones at
-//! nine places of each piece, are near.
+//! nine places of each piece, are near. That is a rule for choosing knots and proves nothing: limits are held against
+//! the quintics themselves (docs/decisions/0016).
 
 use graspcheck_model::planar_path::PLANAR_JOINTS;
 use graspcheck_motion::{Jet, Polynomial, Trajectory, TrajectoryError};

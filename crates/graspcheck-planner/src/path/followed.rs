@@ -1,17 +1,22 @@
 //! A path of the tool as one of the joints: on one branch, in the nearest turns, with three derivatives.
 //!
 //! ```
-//! # use graspcheck_planner::path::{FollowedPath, Path, line::straight_line};
-//! # use nalgebra::Isometry3;
-//! # fn show(robot: &graspcheck_model::robot::RobotModel) -> Result<(), Box<dyn std::error::Error>> {
-//! let from = [0.3, 1.0, -0.2, 2.0];
+//! use graspcheck_model::example;
+//! use graspcheck_planner::path::{FollowedPath, Path, line::straight_line};
+//! use nalgebra::Isometry3;
+//!
+//! let (robot, from) = (example::scara(), [0.3, 1.0, -0.2, 2.0]);
 //! let start = robot.world_from_tool(&from);
 //! let line = straight_line(&start, &(Isometry3::translation(-0.03, 0.05, 0.0) * start))?;
-//! let path = FollowedPath::new(robot, &line, &from)?;
+//! let path = FollowedPath::new(&robot, &line, &from)?;
+//! // Half way the tool is half way, and the slopes of the joints carry it on along the line.
 //! let middle = path.eval(0.5);
-//! println!("{:?} with slopes {:?}", middle.q, middle.q_s);
-//! # Ok(())
-//! # }
+//! let tool = robot.world_from_tool(&middle.q).translation.vector;
+//! assert!((tool - start.translation.vector - nalgebra::Vector3::new(-0.015, 0.025, 0.0)).norm() < 1e-12);
+//! let next: Vec<f64> = middle.q.iter().zip(&middle.q_s).map(|(q, slope)| q + 1e-6 * slope).collect();
+//! let moved = robot.world_from_tool(&next).translation.vector - tool;
+//! assert!((moved / 1e-6 - nalgebra::Vector3::new(-0.03, 0.05, 0.0)).norm() < 1e-6);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 use graspcheck_model::{

@@ -20,24 +20,30 @@
 //! | screw | [`screw`] | all derivatives |
 //! | circular arc | [`arc`] | all derivatives |
 //! | polyline with rounded corners | [`rounded_polyline`] | direction (arcs) or curvature (blends) |
-//! | through via points | [`spline`] | that of the spline |
+//! | through joint positions | [`joint_spline`] | bend |
+//! | through points or poses of the tool | [`spline`], [`orientation_spline`] | curvature |
+//! | of the wrist of a planar arm | [`wrist`] | that of its coordinates |
 //!
-//! Reading order: [`joint_line`], [`mod@line`], [`screw`], [`arc`], [`rounded_polyline`], [`spline`], [`followed`],
-//! [`motion`].
+//! Reading order: [`joint_line`], [`mod@line`], [`screw`], [`arc`], [`rounded_polyline`], [`joint_spline`], [`spline`],
+//! [`followed`], [`motion`].
 
 pub mod arc;
 pub(crate) mod fit;
 pub mod followed;
 pub mod joint_line;
+pub mod joint_spline;
 pub mod line;
 pub mod motion;
+pub mod orientation_spline;
 pub mod rounded_polyline;
 pub mod screw;
 pub mod spline;
+pub mod wrist;
 
-pub use followed::FollowedPath;
+pub use followed::{FollowError, FollowedPath};
 pub use graspcheck_model::tool_path::{Junction, ToolPath, ToolPoint};
 pub use joint_line::JointLine;
+pub use joint_spline::JointSpline;
 pub use motion::{PathMotion, along};
 
 /// A place on a path of the joints, with three derivatives by the path parameter.
@@ -174,6 +180,41 @@ pub enum PathError {
         /// How much longer the edge would have to be, m.
         missing: f64,
     },
+    /// Two neighbours of a spline are the same, or its places do not rise.
+    #[error("spline, point {point}: is {way:.3e} (m or rad) from the point before it; leave one of them out")]
+    SamePoint {
+        /// Number of the point, from 1.
+        point: usize,
+        /// m or rad.
+        way: f64,
+    },
+    /// There is not one angle for each point of a spline.
+    #[error("spline: {angles} angles for {points} points; give one for each point")]
+    AngleCount {
+        /// How many points.
+        points: usize,
+        /// How many angles.
+        angles: usize,
+    },
+    /// There is not one place for each orientation of a spline, or fewer than two.
+    #[error("spline: {places} places for {orientations} orientations; give one for each, and at least two")]
+    PlaceCount {
+        /// How many places.
+        places: usize,
+        /// How many orientations.
+        orientations: usize,
+    },
+    /// A spline of orientations does not settle.
+    #[error(
+        "spline: turns by up to {largest:.3} rad from a pose to the next, too much for one curve; put poses between them"
+    )]
+    TurnsTooLarge {
+        /// rad.
+        largest: f64,
+    },
+    /// The points of a spline make no sense.
+    #[error("spline: {0}")]
+    Points(#[from] crate::via::ViaError),
     /// The segments make no path.
     #[error(transparent)]
     ToolPath(#[from] graspcheck_model::tool_path::ToolPathError),

@@ -76,17 +76,15 @@ pub enum AlongError {
     /// There is no law of time under the limits.
     #[error("path: {0}")]
     Scaling(#[from] ScalingError),
-    /// The share of the limits is not within (0, 1].
-    #[error("path: share {share} of the limits must be above 0 and at most 1")]
-    Share {
-        /// What was given.
-        share: f64,
-    },
-    /// The tolerance is not positive.
-    #[error("path: tolerance {value} (m or rad) must be finite and positive")]
-    Tolerance {
+    /// The share of the limits is not within (0, 1], or a tolerance is not positive.
+    #[error("path: {quantity} {value} must be {must}")]
+    BadNumber {
+        /// Which.
+        quantity: &'static str,
         /// What was given.
         value: f64,
+        /// What it must be.
+        must: &'static str,
     },
     /// The polynomials are not a trajectory.
     #[error("path: {0}")]
@@ -127,6 +125,21 @@ impl From<FitError> for AlongError {
 /// # Errors
 /// Where and why the path cannot be followed; or the arm has no closed-form inverse kinematics; or limits, share,
 /// duration or tolerance are not positive.
+///
+/// ```
+/// use graspcheck_model::example;
+/// use graspcheck_planner::path::{along, line::straight_line, motion::PATH_TOLERANCE};
+/// use nalgebra::Isometry3;
+///
+/// let (robot, from) = (example::scara(), [-0.5, 1.2, -0.1, 3.0]);
+/// let start = robot.world_from_tool(&from);
+/// let line = straight_line(&start, &(Isometry3::translation(0.0, 0.1, 0.0) * start))?;
+/// let found = along(&robot, &line, &from, 1.0, None, PATH_TOLERANCE)?;
+/// assert!(found.deviation().position < 1e-5);
+/// let end = robot.world_from_tool(&found.motion.eval(found.motion.duration()).q);
+/// assert!((end.translation.y - start.translation.y - 0.1).abs() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn along(
     robot: &RobotModel,
     path: &ToolPath,
@@ -149,12 +162,14 @@ pub(crate) fn along_path(
 ) -> Result<PathMotion, AlongError> {
     let is_share = share > 0.0 && share <= 1.0;
     if !is_share {
-        return Err(AlongError::Share { share });
+        let (quantity, must) = ("share of the limits", "above 0 and at most 1");
+        return Err(AlongError::BadNumber { quantity, value: share, must });
     }
     for value in [tolerance.position, tolerance.angle] {
         let is_positive = value > 0.0 && value.is_finite();
         if !is_positive {
-            return Err(AlongError::Tolerance { value });
+            let (quantity, must) = ("tolerance (m or rad)", "finite and positive");
+            return Err(AlongError::BadNumber { quantity, value, must });
         }
     }
     let followed = FollowedPath::of_arm(arm, path, from)?;

@@ -172,7 +172,8 @@ fn joined(pieces: Vec<Piece>) -> Result<ToolPath, PathError> {
                 PositionCurve::Arc(ArcCurve { rate: arc.rate * total, along: arc.along * total, ..arc })
             }
         };
-        let turns = orientation.turns.map(|turn| Turn { angle: by_share(&turn.angle, total), ..turn });
+        let turns = orientation.turns.into_iter();
+        let turns = turns.map(|turn| Turn { angle: by_share(&turn.angle, total), ..turn }).collect();
         let orientation = OrientationCurve { start: orientation.start, turns };
         segments.push(ToolSegment { start, end, position, orientation });
         start = end;
@@ -336,7 +337,7 @@ impl Cut {
             Polynomial::new(polynomial.coefficients().map(|c| factor * c))
         };
         // R = exp(out · fading in) exp(−in · fading out) R_corner.
-        let turns = [
+        let turns = vec![
             Turn { axis: in_axis, angle: times(&fading_out, -in_rate) },
             Turn { axis: out_axis, angle: times(&fading_in, out_rate) },
         ];

@@ -11,6 +11,7 @@
 //! 5; Biagiotti and Melchiorri, section 4.3, *heuristic computation of the velocities*). The acceleration
 //! jumps at inner points.
 
+use graspcheck_model::via::velocity_by_signs;
 use graspcheck_motion::Trajectory;
 
 use super::{
@@ -32,16 +33,10 @@ pub fn velocities(points: &ViaPoints, start: &[f64], end: &[f64]) -> Result<Vec<
         .zip(points.positions().windows(2))
         .map(|(duration, pair)| pair[0].iter().zip(&pair[1]).map(|(a, b)| (b - a) / duration).collect())
         .collect();
-    let inner = slopes
-        .windows(2)
-        .map(|pair| pair[0].iter().zip(&pair[1]).map(|(&before, &after)| of_slopes(before, after)).collect());
+    let inner = slopes.windows(2).map(|pair| {
+        pair[0].iter().zip(&pair[1]).map(|(&before, &after)| velocity_by_signs(before, after)).collect()
+    });
     Ok([start.to_vec()].into_iter().chain(inner).chain([end.to_vec()]).collect())
-}
-
-/// The velocity at a point between two segments of these slopes.
-pub(crate) fn of_slopes(before: f64, after: f64) -> f64 {
-    let same_sign = (before > 0.0 && after > 0.0) || (before < 0.0 && after < 0.0);
-    if same_sign { 0.5 * before + 0.5 * after } else { 0.0 }
 }
 
 /// The motion through the points with the velocities of the rule at inner points and `start` and `end` at the

@@ -97,6 +97,15 @@ pub struct ViaPoints {
 impl ViaPoints {
     /// The points `positions[k]` at `times[k]`, s, each with one position for each joint.
     ///
+    /// ```
+    /// use graspcheck_planner::via::{ViaError, ViaPoints};
+    /// let points = ViaPoints::new(vec![0.0, 2.0], vec![vec![0.1, 0.2], vec![0.5, 0.0]])?;
+    /// assert_eq!((points.len(), points.dof()), (2, 2));
+    /// let error = ViaPoints::new(vec![0.0, 0.0], vec![vec![0.1], vec![0.5]]).unwrap_err();
+    /// assert!(matches!(error, ViaError::TimesNotIncreasing { point: 2, .. }));
+    /// # Ok::<(), ViaError>(())
+    /// ```
+    ///
     /// # Errors
     /// When there are fewer than two points, not as many times, a point has another number of joints than the
     /// first or none, a number is not finite, or the times do not increase.
@@ -164,7 +173,7 @@ impl ViaPoints {
     }
 
     /// Checks that there is one finite number for each joint.
-    pub(super) fn check_joints(
+    pub(crate) fn check_joints(
         &self,
         place: &str,
         quantity: Quantity,
@@ -188,7 +197,7 @@ impl ViaPoints {
 
 /// What is given for each joint.
 #[derive(Clone, Copy)]
-pub(super) enum Quantity {
+pub(crate) enum Quantity {
     Position,
     Velocity,
     Acceleration,

@@ -3,7 +3,7 @@
 /// A matrix with three diagonals; row k is `lower[k] x[k-1] + diagonal[k] x[k] + upper[k] x[k+1]`. The first
 /// `lower` and the last `upper` are not used.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Tridiagonal {
+pub(crate) struct Tridiagonal {
     lower: Vec<f64>,
     diagonal: Vec<f64>,
     upper: Vec<f64>,
@@ -11,7 +11,7 @@ pub(super) struct Tridiagonal {
 
 impl Tridiagonal {
     /// Adds a row below the others.
-    pub(super) fn push(&mut self, [lower, diagonal, upper]: [f64; 3]) {
+    pub(crate) fn push(&mut self, [lower, diagonal, upper]: [f64; 3]) {
         self.lower.push(lower);
         self.diagonal.push(diagonal);
         self.upper.push(upper);
@@ -25,7 +25,7 @@ impl Tridiagonal {
     ///
     /// # Panics
     /// When the lengths differ.
-    pub(super) fn solve(&self, right: &[f64]) -> Vec<f64> {
+    pub(crate) fn solve(&self, right: &[f64]) -> Vec<f64> {
         assert_eq!(right.len(), self.diagonal.len(), "one right-hand side for each row");
         let mut solution = Vec::with_capacity(right.len());
         // `x[k] = solution[k] - ratios[k] x[k+1]`.

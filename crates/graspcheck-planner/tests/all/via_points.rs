@@ -6,12 +6,14 @@
 use crate::robots::{cell, pace, pose, rrr};
 use graspcheck_model::{
     inverse::PlanarWrist,
-    plan::Plan,
+    planar_path::PlanarPath,
+    plan::{Plan, TrackedPoint},
     robot::RobotModel,
     task::{CartesianVia, Elbow, PhasePace, Task, ViaPoint},
     via::{Blend, BlendEnds, EndCondition, ParabolicBlends, PointBlends, ViaLaw},
 };
 use graspcheck_planner::{PlanError, branch::BranchFault, plan};
+use graspcheck_proof::deviation::{Deviation, DeviationOutcome, prove_deviation};
 use nalgebra::Point2;
 
 fn example(elbow: Elbow) -> CartesianVia {
@@ -229,6 +231,31 @@ fn a_duration_stretches_the_whole_motion() {
 }
 
 #[test]
+fn the_plan_carries_the_path_of_the_wrist_and_it_is_proved_at_any_duration() {
+    for askew in [pose([0.0; 3], [0.0; 3]), pose([0.3, -1.2, 0.5], [0.2, 0.1, 0.7])] {
+        let mut robot = rrr();
+        robot.world_from_base = askew;
+        for duration in [None, Some(21.0)] {
+            let mut pace = pace(1.0);
+            let phase = PhasePace { phase: "via".into(), duration, ..PhasePace::default() };
+            pace.phases = vec![phase];
+            let task = Task::CartesianVia(example(Elbow::Left));
+            let plan = plan(&robot, &cell(0.0, &[]), None, &task, &pace).unwrap();
+            let [planned] = &plan.paths[..] else { panic!("one path") };
+            assert_eq!((planned.point, planned.phase.as_str()), (TrackedPoint::Wrist, "via"));
+            let path = PlanarPath::tracking(&robot, &planned.path, planned.point).unwrap();
+            let tolerance = Deviation { position: 1e-5, angle: 1e-5 };
+            let outcome = prove_deviation(&path, &planned.law, &plan.trajectory, tolerance).unwrap();
+            assert!(outcome.bound().is_some_and(|bound| bound.position > 1e-9), "{outcome:?}");
+            // As a path of the tool it is metres off.
+            let of_tool = PlanarPath::new(&robot, &planned.path).unwrap();
+            let outcome = prove_deviation(&of_tool, &planned.law, &plan.trajectory, tolerance).unwrap();
+            assert!(matches!(outcome, DeviationOutcome::Exceeds { .. }));
+        }
+    }
+}
+
+#[test]
 fn an_arm_that_stands_askew_follows_in_its_own_plane() {
     let mut robot = rrr();
     robot.world_from_base = pose([1.0, 2.0, 3.0], [std::f64::consts::FRAC_PI_2, 0.0, 0.7]);
@@ -270,6 +297,7 @@ fn every_coordinate_can_have_blends_of_its_own() {
     let point = |acceleration| PointBlends {
         blends: vec![Blend::Duration(0.5), Blend::Acceleration(acceleration), Blend::Duration(1.0)],
         met: None,
+        velocity: None,
     };
     let blends = ParabolicBlends { points: accelerations.map(point).to_vec(), ends: BlendEnds::Inside };
     let plan = planned(&robot, under(ViaLaw::ParabolicBlends(blends), 0.0)).unwrap();

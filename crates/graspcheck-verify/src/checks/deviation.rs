@@ -1,10 +1,11 @@
 //! `planned.deviation`: how far the plan may take the tool from the paths on which it is led.
 //!
 //! The plan carries each path with its law of time. Nothing is believed of how it was made: the deviation of the joint
-//! polynomials from the path is proved again here, over all instants ([`graspcheck_proof::deviation`]).
+//! polynomials from the path is proved again here, over all instants ([`graspcheck_proof::deviation`]). It is held
+//! against the tolerance that the path was planned with, or what the scenario demands if that is less.
 
 use graspcheck_model::{
-    plan::{Phase, PlannedPath},
+    plan::{Phase, PlannedPath, TrackedPoint},
     planar_path::PlanarPath,
 };
 use graspcheck_motion::{Trajectory, TrajectoryError};
@@ -41,11 +42,12 @@ pub(super) fn deviation(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
 /// What is found of one path.
 fn of_path(evidence: &Evidence<'_>, planned: &PlannedPath, phase: &Phase) -> Result<Finding, Gap> {
     let undecided = |note: String| Gap::inconclusive(Some(phase.start), note);
-    let path = PlanarPath::new(&evidence.resolved.robot, &planned.path)
+    let path = PlanarPath::tracking(&evidence.resolved.robot, &planned.path, planned.point)
         .map_err(|(s, bound)| undecided(format!("the path of phase {} at s = {s}: {bound}", phase.name)))?;
     let motion = part(&evidence.plan.trajectory, phase)
         .map_err(|error| undecided(format!("the motion of phase {}: {error}", phase.name)))?;
-    let tolerance = Deviation { position: planned.tolerance, angle: planned.tolerance };
+    let limit = evidence.resolved.checks.deviation.map_or(planned.tolerance, |max| max.min(planned.tolerance));
+    let tolerance = Deviation { position: limit, angle: limit };
     let outcome = prove_deviation(&path, &planned.law, &motion, tolerance)
         .map_err(|error| undecided(error.to_string()))?;
     let (found, time, proved) = match outcome {
@@ -67,9 +69,13 @@ fn of_path(evidence: &Evidence<'_>, planned: &PlannedPath, phase: &Phase) -> Res
     } else {
         (found.angle, Unit::Radian)
     };
-    let mut finding = Finding::at_most(value, planned.tolerance, unit)
+    let subject = match planned.point {
+        TrackedPoint::Tool => "tool",
+        TrackedPoint::Wrist => "wrist",
+    };
+    let mut finding = Finding::at_most(value, limit, unit)
         .at(phase.start + time)
-        .of(["tool"])
+        .of([subject])
         .during(phase.name.clone());
     finding.value_is_bound = proved;
     Ok(finding)
@@ -90,7 +96,7 @@ fn part(trajectory: &Trajectory, phase: &Phase) -> Result<Trajectory, Trajectory
 #[cfg(test)]
 mod tests {
     use graspcheck_model::{
-        plan::PlannedPath,
+        plan::{PlannedPath, TrackedPoint},
         tool_path::{ArcCurve, OrientationCurve, PositionCurve, ToolPath, ToolSegment},
     };
     use graspcheck_motion::{Polynomial, Trajectory};
@@ -127,7 +133,8 @@ mod tests {
         let half = |p: &Polynomial| Polynomial::new(p.coefficients().map(|c| 0.5 * c));
         let law = (0..motion.piece_count()).map(|piece| half(motion.piece(piece, 0))).collect();
         let law = Trajectory::new(1, motion.knots().to_vec(), law).unwrap();
-        run.plan.paths = vec![PlannedPath { phase: "via".into(), path, law, tolerance: 1e-5 }];
+        let point = TrackedPoint::Tool;
+        run.plan.paths = vec![PlannedPath { phase: "via".into(), path, point, law, tolerance: 1e-5 }];
         run
     }
 
@@ -163,6 +170,27 @@ mod tests {
         let time = off.time.unwrap();
         assert!(time > 1.0 && time < 2.0 && off.value.unwrap() > 1e-5 && !off.value_is_bound, "{off:?}");
         assert_eq!(off.place.phase.as_deref(), Some("via"));
+    }
+
+    #[test]
+    fn a_scenario_can_demand_less_than_the_tolerance_but_not_allow_more() {
+        let demanding = |size: f64, demand: f64| {
+            let mut run = bent(size);
+            run.resolved.checks.deviation = Some(demand);
+            let result = run.check("planned.deviation");
+            (result.outcome, result.limit.unwrap())
+        };
+        assert_eq!(demanding(8e-6, 5e-6), (Outcome::Fail, 5e-6));
+        assert_eq!(demanding(8e-6, 9e-6), (Outcome::Pass, 9e-6));
+        assert_eq!(demanding(4e-5, 1e-3), (Outcome::Fail, 1e-5));
+    }
+
+    #[test]
+    fn a_path_of_the_wrist_is_not_one_of_the_tool() {
+        let mut run = on_an_arc();
+        run.plan.paths[0].point = TrackedPoint::Wrist;
+        let off = run.check("planned.deviation");
+        assert_eq!((off.outcome, off.place.subjects), (Outcome::Fail, vec!["wrist".to_owned()]));
     }
 
     #[test]

@@ -67,20 +67,38 @@ pub(super) fn execute(arguments: &RunArguments) -> u8 {
     }
 }
 
-/// One scenario that came to its end, or the code and text of why it did not.
-type Ended = Result<(Scenario, Run, Stored), (u8, String)>;
+/// One scenario that came to its end, or why it did not.
+type Ended = Result<(Scenario, Run, Stored), NotRun>;
+
+/// Why a scenario did not come to its end.
+struct NotRun {
+    /// The exit code; that of success where no motion exists and none is expected.
+    code: u8,
+    /// The whole of it.
+    text: String,
+    /// The answer in one line, where there is one.
+    line: Option<String>,
+}
+
+impl NotRun {
+    fn new(code: u8, text: String) -> Self {
+        Self { code, text, line: None }
+    }
+}
 
 fn carry_out(selected: &Selected, arguments: &RunArguments, observer: &mut dyn Observer) -> Ended {
-    let mut scenario =
-        load(&selected.path).map_err(|error| (exit::INVALID_FILE, report::faults(&error, true)))?;
+    let mut scenario = load(&selected.path)
+        .map_err(|error| NotRun::new(exit::INVALID_FILE, report::faults(&error, true)))?;
     if arguments.no_simulate {
         scenario.resolved.execution = None;
     }
-    let run = run_scenario(&scenario, observer).map_err(|error| {
-        (report::exit_code(&error), report::no_run(&error, &scenario.resolved, arguments.verbose))
+    let run = run_scenario(&scenario, observer).map_err(|error| NotRun {
+        code: report::exit_code(&error, &scenario.resolved.expect),
+        text: report::no_run(&error, &scenario.resolved, arguments.verbose),
+        line: report::no_motion_line(&error, &scenario.resolved.expect),
     })?;
     let stored = store::store(&run.recording, &scenario.resolved.name, &arguments.out)
-        .map_err(|error| (exit::BUG, format!("error: {error}\n")))?;
+        .map_err(|error| NotRun::new(exit::BUG, format!("error: {error}\n")))?;
     Ok((scenario, run, stored))
 }
 
@@ -101,9 +119,12 @@ fn one_scenario(selected: &Selected, arguments: &RunArguments) -> u8 {
     };
     let (scenario, run, stored) = match ended {
         Ok(ended) => ended,
-        Err((code, text)) => {
-            if arguments.quiet < 2 {
-                eprint!("{text}");
+        Err(NotRun { code, text, line }) => {
+            match line.filter(|_| code == exit::AS_EXPECTED) {
+                Some(line) if arguments.quiet == 1 => println!("{NAME}{}{NAME:#}  {line}", selected.name),
+                Some(_) if arguments.quiet == 0 => print!("{text}"),
+                None if arguments.quiet < 2 => eprint!("{text}"),
+                _ => {}
             }
             return code;
         }
@@ -160,7 +181,7 @@ fn suite(selected: &[Selected], arguments: &RunArguments) -> u8 {
         .into_iter()
         .map(|slot| match slot.into_inner() {
             Ok(Some(ended)) => ended,
-            _ => Err((exit::BUG, "error: the run was lost in a panic\n".to_owned())),
+            _ => Err(NotRun::new(exit::BUG, "error: the run was lost in a panic\n".to_owned())),
         })
         .collect();
     summary(selected, &ended, arguments)
@@ -183,7 +204,8 @@ fn line(scenario: &Selected, ended: &Ended, count: usize, of: usize) -> String {
             };
             (style, word, report::last_line(&run.verdict))
         }
-        Err((code, _)) => (FAILED, "ERROR", exit::meaning(*code).to_owned()),
+        Err(NotRun { code: exit::AS_EXPECTED, line: Some(line), .. }) => (PASSED, "ok", line.clone()),
+        Err(NotRun { code, .. }) => (FAILED, "ERROR", exit::meaning(*code).to_owned()),
     };
     format!("{style}{word:>5}{style:#} ({count:>2}/{of}) {NAME}{}{NAME:#}  {detail}", scenario.name)
 }
@@ -198,7 +220,8 @@ fn summary(selected: &[Selected], ended: &[Ended], arguments: &RunArguments) -> 
                     println!("\n{}", report::page(run, &loaded.resolved, arguments.verbose));
                 }
             }
-            Err((_, text)) => {
+            Err(NotRun { code: exit::AS_EXPECTED, .. }) => {}
+            Err(NotRun { text, .. }) => {
                 if arguments.quiet < 2 {
                     eprintln!("\n{NAME}{}{NAME:#}\n{text}", scenario.name);
                 }
@@ -233,9 +256,15 @@ fn entry(scenario: &Selected, ended: &Ended, arguments: &RunArguments) -> html::
             let beside = page.strip_prefix(&arguments.out).unwrap_or(page);
             Ok((run.verdict.clone(), beside.display().to_string()))
         }
-        Err((code, _)) => Err(exit::meaning(*code).to_owned()),
+        Err(NotRun { code, line, .. }) => {
+            Err(line.as_deref().map_or_else(|| exit::meaning(*code).to_owned(), report::plain))
+        }
     };
-    html::Entry { name: scenario.name.clone(), result }
+    let as_expected = match ended {
+        Ok((_, run, _)) => run.verdict.as_expected,
+        Err(NotRun { code, .. }) => *code == exit::AS_EXPECTED,
+    };
+    html::Entry { name: scenario.name.clone(), result, as_expected }
 }
 
 /// How a suite came out.
@@ -259,7 +288,10 @@ impl Counts {
                     counts.negative +=
                         usize::from(run.verdict.as_expected && run.verdict.outcome == Outcome::Fail);
                 }
-                Err((code, _)) => counts.codes.push(*code),
+                Err(NotRun { code, .. }) => {
+                    counts.codes.push(*code);
+                    counts.negative += usize::from(*code == exit::AS_EXPECTED);
+                }
             }
         }
         counts
@@ -281,8 +313,9 @@ impl Counts {
         text
     }
 
-    /// What was not judged does not decide the code, unless nothing was.
+    /// A scenario that was not judged counts in a suite as it does alone.
     fn code(&self) -> u8 {
-        if self.codes.is_empty() { exit::INCONCLUSIVE } else { exit::worst(&self.codes) }
+        let not_judged = (self.not_judged > 0).then_some(exit::INCONCLUSIVE);
+        exit::worst(&self.codes.iter().copied().chain(not_judged).collect::<Vec<u8>>())
     }
 }

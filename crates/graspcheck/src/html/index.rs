@@ -21,6 +21,8 @@ pub struct Entry {
     pub name: String,
     /// What came out.
     pub result: Result<(Verdict, String), String>,
+    /// Whether that is what the scenario expects.
+    pub as_expected: bool,
 }
 
 /// The index of a suite as a page of HTML: what is not as expected first, then the tightest first.
@@ -52,10 +54,9 @@ pub fn index(entries: &[Entry]) -> String {
 /// 0 not as expected, 1 inconclusive, 2 as expected.
 fn rank(entry: &Entry) -> usize {
     match &entry.result {
-        Err(_) => 0,
         Ok((verdict, _)) if verdict.outcome == Outcome::Inconclusive => 1,
-        Ok((verdict, _)) if !verdict.as_expected => 0,
-        Ok(_) => 2,
+        _ if entry.as_expected => 2,
+        _ => 0,
     }
 }
 

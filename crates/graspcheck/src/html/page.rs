@@ -336,10 +336,15 @@ mod tests {
     fn names_are_escaped_and_failures_lead_the_index() {
         let mut verdict = run("scara/laws_of_time.toml").verdict;
         let good =
-            Entry { name: "a::good".to_owned(), result: Ok((verdict.clone(), "good.html".to_owned())) };
+            Entry {
+                name: "a::good".to_owned(),
+                result: Ok((verdict.clone(), "good.html".to_owned())),
+                as_expected: verdict.as_expected,
+            };
         verdict.as_expected = false;
         let bad = Entry { name: "z::<bad>".to_owned(), result: Ok((verdict, "bad.html".to_owned())) };
-        let lost = Entry { name: "y::lost".to_owned(), result: Err("no plan".to_owned()) };
+        let lost =
+            Entry { name: "y::lost".to_owned(), result: Err("no plan".to_owned()), as_expected: false };
         let text = index(&[good, bad, lost]);
         let at = |what: &str| text.find(what).unwrap_or(usize::MAX);
         assert!(at("z::&lt;bad&gt;") < at("a::good") && at("y::lost") < at("a::good"));

@@ -17,5 +17,5 @@ pub use fault::faults;
 pub use quantity::{Rounding, against, instant, margin, quantity};
 pub use sentence::{is_lower_limit, motion, note, sentence, subject, word};
 pub use table::{DIM, FAILED, NAME, PASSED, UNDECIDED, Words, checks, strip, words};
-pub use unreachable::{exit_code, no_run};
+pub use unreachable::{exit_code, is_expected, no_motion_line, no_run};
 pub use verdict::{failure, last_line, page, plain};
