@@ -16,9 +16,11 @@ pub mod candidates;
 pub mod exit;
 pub mod harness;
 pub mod html;
+pub mod limit_proofs;
 mod markers;
 pub mod nearby;
 pub mod report;
+pub mod review;
 pub mod run;
 pub mod store;
 

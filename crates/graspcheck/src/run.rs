@@ -8,7 +8,7 @@ use graspcheck_scenario::Scenario;
 use graspcheck_sim::SimError;
 use graspcheck_verify::{Evidence, EvidenceError, Outcome, Verdict, attach, judge};
 
-use crate::{candidates, markers, report};
+use crate::{candidates, limit_proofs, markers, report};
 
 /// A run that was carried out and judged. A verdict that fails is a result, not an error.
 #[derive(Clone, Debug)]
@@ -146,6 +146,7 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
     };
 
     attach(&mut recording, resolved, &plan, &certificate);
+    recording.attachments.push(limit_proofs::document(resolved, &plan));
     recording.attachments.extend(candidates::document(&candidates));
     recording.attachments.extend(scenario.provenance.iter().map(|document| Attachment {
         name: document.name.clone(),

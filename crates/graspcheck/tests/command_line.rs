@@ -1,6 +1,6 @@
 //! The command line as a user meets it: exit codes, messages, and nothing half-written.
 
-#![expect(clippy::unwrap_used, reason = "a helper of a test fails like the test")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a helper of a test fails like the test")]
 
 use std::{
     fs,
@@ -146,7 +146,7 @@ fn without_execution_its_expected_failures_do_not_count() {
     assert!(!text.contains("PASS"), "{text}");
 
     let (output, _) = graspcheck("no_simulate_suite", &["run", "negative", "--no-simulate"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(output.status.code(), Some(11), "{}", stderr(&output));
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(text.contains("nothing was executed") && text.contains("not judged"), "{text}");
 }
@@ -393,4 +393,149 @@ fn an_unreadable_mesh_is_a_fault_of_the_urdf() {
     });
     let (output, out) = graspcheck("mesh", &["run", &path.display().to_string()]);
     assert_fails(&output, &out, 20, &["scara.urdf:", "lost.stl"]);
+}
+
+/// The log of the pick, run once for all tests that review it.
+fn log_of_the_pick() -> PathBuf {
+    static RUN: std::sync::Once = std::sync::Once::new();
+    let log = folder("review_run").join("out/scara/pick_cube/run.mcap");
+    RUN.call_once(|| {
+        let (output, _) = graspcheck("review_run", &["run", "scara::pick_cube", "-q"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    });
+    log
+}
+
+/// The pick's log with something in it changed, as a file of its own.
+fn edited_log(name: &str, change: impl FnOnce(&mut graspcheck_recording::Recording)) -> PathBuf {
+    let mut recording = graspcheck_recording::load(&log_of_the_pick()).unwrap();
+    change(&mut recording);
+    let log = folder("review_edited").join(format!("{name}.mcap"));
+    graspcheck_recording::save(&recording, &log).unwrap();
+    log
+}
+
+fn edit_document(
+    recording: &mut graspcheck_recording::Recording,
+    name: &str,
+    change: impl FnOnce(&mut serde_json::Value),
+) {
+    let document = recording.attachments.iter_mut().find(|document| document.name == name).unwrap();
+    let mut content = serde_json::from_slice(&document.data).unwrap();
+    change(&mut content);
+    document.data = serde_json::to_vec(&content).unwrap();
+}
+
+fn scale(number: &mut serde_json::Value, factor: f64) {
+    *number = (number.as_f64().unwrap() * factor).into();
+}
+
+fn review(logs: &[&Path], flags: &[&str]) -> (Option<i32>, String) {
+    let logs = logs.iter().map(|log| log.to_str().unwrap());
+    let arguments: Vec<&str> = ["review"].into_iter().chain(logs).chain(flags.iter().copied()).collect();
+    let (output, _) = graspcheck("review", &arguments);
+    (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned() + &stderr(&output))
+}
+
+#[test]
+fn a_log_is_judged_again_from_its_file_alone() {
+    let (code, text) = review(&[&log_of_the_pick()], &[]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(
+        text.contains("scara::pick_cube") && text.lines().any(|line| line.starts_with("PASS  ")),
+        "{text}"
+    );
+    assert!(text.contains("the verdict in the log is this one"), "{text}");
+    assert!(text.contains(" limit proofs re-validated independently"), "{text}");
+
+    let (code, text) = review(&[&log_of_the_pick(), &log_of_the_pick()], &[]);
+    assert_eq!(code, Some(0), "{text}");
+    assert_eq!(text.lines().filter(|line| line.starts_with("   ok  ")).count(), 2, "{text}");
+}
+
+#[test]
+fn an_edited_log_is_told_by_what_was_edited() {
+    for (name, change, sentences) in [
+        (
+            "sample",
+            (|log| log.measured.position[4 * 100] += 3.0) as fn(&mut graspcheck_recording::Recording),
+            [
+                "executed.position: outcome is pass in the log, found to be fail",
+                "executed.position: place is",
+            ],
+        ),
+        (
+            "limit",
+            |log| {
+                edit_document(log, "resolved.json", |resolved| {
+                    scale(&mut resolved["robot"]["joints"][0]["limits"]["velocity"], 2.0);
+                });
+            },
+            ["planned.velocity: limit is 7.5", "proof: velocity of shoulder, t = 0 … 4"],
+        ),
+        (
+            "certificate",
+            |log| {
+                edit_document(log, "certificate.json", |certificate| {
+                    scale(&mut certificate["pairs"][3]["leaves"][0]["gap"], 1.001);
+                });
+            },
+            ["planned.certificate: outcome is pass in the log, found to be fail", ": gap is 0."],
+        ),
+        (
+            "verdict",
+            |log| {
+                let mut verdict = serde_json::from_str(log.verdict.as_ref().unwrap()).unwrap();
+                let check = |verdict: &mut serde_json::Value| scale(&mut verdict["checks"][1]["margin"], 2.0);
+                check(&mut verdict);
+                log.verdict = Some(verdict.to_string());
+            },
+            ["planned.position: margin is 0.01", "says something else in 1 places"],
+        ),
+    ] {
+        let (code, text) = review(&[&edited_log(name, change)], &[]);
+        assert_eq!(code, Some(13), "{name}: {text}");
+        for sentence in sentences {
+            assert!(text.contains(sentence), "{name}: `{sentence}` is not in\n{text}");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_log_cannot_be_reviewed() {
+    let folder = fresh_folder("review_unreadable");
+    let [noise, cut, bare, gone] =
+        ["noise", "cut", "bare", "gone"].map(|name| folder.join(format!("{name}.mcap")));
+    fs::write(&noise, "this is no log").unwrap();
+    let whole = fs::read(log_of_the_pick()).unwrap();
+    fs::write(&cut, &whole[..whole.len() / 2]).unwrap();
+    graspcheck_recording::save(&graspcheck_recording::Recording::default(), &bare).unwrap();
+    for log in [&noise, &cut, &bare, &gone] {
+        let (code, text) = review(&[log], &[]);
+        assert_eq!(code, Some(30), "{text}");
+        assert!(text.contains(&format!("error: {}: ", log.display())), "{text}");
+    }
+    let edited = edited_log("one_of_many", |log| log.verdict = None);
+    let (code, text) = review(&[&log_of_the_pick(), &edited, &noise], &[]);
+    assert_eq!(code, Some(30), "{text}");
+    assert!(text.contains(" DIFF  ") && text.contains("verdict: is missing in the log"), "{text}");
+}
+
+#[test]
+fn a_review_for_programs_is_one_json_document() {
+    let edited = edited_log("for_programs", |log| log.verdict = None);
+    let (output, _) = graspcheck(
+        "review",
+        &["review", "--json", log_of_the_pick().to_str().unwrap(), edited.to_str().unwrap(), "gone.mcap"],
+    );
+    assert_eq!(output.status.code(), Some(30), "{}", stderr(&output));
+    let logs: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let [good, changed, gone] = logs.as_array().unwrap().as_slice() else { panic!("three logs: {logs}") };
+    assert_eq!((&good["code"], &changed["code"], &gone["code"]), (&0.into(), &13.into(), &30.into()));
+    assert_eq!((&good["verdict"]["outcome"], &good["proofs"]["confirmed"]), (&"pass".into(), &true.into()));
+    assert_eq!(
+        (good["differences"].as_array().unwrap().len(), changed["differences"].as_array().unwrap().len()),
+        (0, 1)
+    );
+    assert!(good["proofs"]["limits"].as_u64().unwrap() == 20 && gone["error"].is_string());
 }

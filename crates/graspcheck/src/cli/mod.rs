@@ -2,6 +2,7 @@
 
 mod list;
 mod progress;
+mod review;
 mod run;
 mod select;
 
@@ -13,8 +14,8 @@ use graspcheck::{exit, report::DIM};
 
 const AFTER_HELP: &str = "\
 Exit codes: 0 as expected, 1 a bug or unwritable output, 2 usage, 3 nothing selected,
-            10 verdict not as expected, 11 inconclusive, 20 invalid file, 21 no plan,
-            30 unreadable recording
+            10 verdict not as expected, 11 inconclusive, 13 log differs from what is found,
+            20 invalid file, 21 no plan, 30 unreadable recording
 
 Start here:  graspcheck run scenarios/scara/pick_cube.toml";
 
@@ -33,6 +34,8 @@ pub(crate) struct Arguments {
 enum Command {
     /// Plan, prove, simulate, record and judge scenarios
     Run(run::RunArguments),
+    /// Judge logs again from their files alone, and check their proofs
+    Review(review::ReviewArguments),
     /// Show scenarios
     List(list::ListArguments),
 }
@@ -57,6 +60,7 @@ pub(crate) fn execute(arguments: &Arguments) -> u8 {
     .write_global();
     let code = match &arguments.command {
         Command::Run(arguments) => run::execute(arguments),
+        Command::Review(arguments) => review::execute(arguments),
         Command::List(arguments) => list::execute(arguments),
     };
     if code != exit::AS_EXPECTED {
