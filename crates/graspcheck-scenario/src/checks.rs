@@ -129,7 +129,8 @@ pub(crate) fn expectation(scenario: &Section<'_>) -> Option<Expectation> {
         if is_no_motion || CHECKS.iter().any(|check| is_meant_by(check.name, name)) {
             return Some(name.to_owned());
         }
-        let words = CHECKS.iter().flat_map(|check| [Some(check.name), check.name.split('.').nth(1)]).flatten();
+        let words =
+            CHECKS.iter().flat_map(|check| [Some(check.name), check.name.split('.').nth(1)]).flatten();
         let words = words.chain(NoMotion::ALL.iter().map(|reason| reason.name()));
         let fault = Fault::new("unknown-check", at, format!("unknown check `{name}`"), "not a check");
         scenario.faults().report(match nearest(name, words) {

@@ -258,7 +258,8 @@ fn a_limit_of_the_angle_may_be_left_out_and_the_deviation_needs_a_path() {
 
 #[test]
 fn the_phase_of_via_points_has_a_duration_and_no_share() {
-    let with = |test: &str, key: &str| read(test, &format!("{}\n[phase.via]\n{key}", wrist("blend_s = 0.4", "")));
+    let with =
+        |test: &str, key: &str| read(test, &format!("{}\n[phase.via]\n{key}", wrist("blend_s = 0.4", "")));
     let pace = with("via_duration", "duration_s = 9").expect("no fault").resolved.pace;
     assert_eq!((pace.phases[0].phase.as_str(), pace.phases[0].duration), ("via", Some(9.0)));
     let error = with("via_share", "speed_percent = 50").expect_err("a fault");

@@ -6,8 +6,8 @@
 use crate::robots::{cell, pace, pose, rrr};
 use graspcheck_model::{
     inverse::PlanarWrist,
-    planar_path::PlanarPath,
     plan::{Plan, TrackedPoint},
+    planar_path::PlanarPath,
     robot::RobotModel,
     task::{CartesianVia, Elbow, PhasePace, Task, ViaPoint},
     via::{Blend, BlendEnds, EndCondition, ParabolicBlends, PointBlends, ViaLaw},

@@ -46,7 +46,8 @@ fn of_path(evidence: &Evidence<'_>, planned: &PlannedPath, phase: &Phase) -> Res
         .map_err(|(s, bound)| undecided(format!("the path of phase {} at s = {s}: {bound}", phase.name)))?;
     let motion = part(&evidence.plan.trajectory, phase)
         .map_err(|error| undecided(format!("the motion of phase {}: {error}", phase.name)))?;
-    let limit = evidence.resolved.checks.deviation.map_or(planned.tolerance, |max| max.min(planned.tolerance));
+    let limit =
+        evidence.resolved.checks.deviation.map_or(planned.tolerance, |max| max.min(planned.tolerance));
     let tolerance = Deviation { position: limit, angle: limit };
     let outcome = prove_deviation(&path, &planned.law, &motion, tolerance)
         .map_err(|error| undecided(error.to_string()))?;
@@ -73,10 +74,8 @@ fn of_path(evidence: &Evidence<'_>, planned: &PlannedPath, phase: &Phase) -> Res
         TrackedPoint::Tool => "tool",
         TrackedPoint::Wrist => "wrist",
     };
-    let mut finding = Finding::at_most(value, limit, unit)
-        .at(phase.start + time)
-        .of([subject])
-        .during(phase.name.clone());
+    let mut finding =
+        Finding::at_most(value, limit, unit).at(phase.start + time).of([subject]).during(phase.name.clone());
     finding.value_is_bound = proved;
     Ok(finding)
 }

@@ -60,7 +60,8 @@ pub(super) fn via(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
             return Err(Gap::inconclusive(Some(due), note));
         }
         let q = trajectory.eval(due.min(end)).q;
-        let (distance, angle) = if is_wrist { wrist_miss(robot, &q, position)? } else { tool_miss(robot, &q, position)? };
+        let (distance, angle) =
+            if is_wrist { wrist_miss(robot, &q, position)? } else { tool_miss(robot, &q, position)? };
         for (value, limit, unit) in [(distance, limits[0], Unit::Meter), (angle, limits[1], Unit::Radian)] {
             let Some(limit) = limit else { continue };
             findings.push(Finding::at_most(value, limit, unit).at(due));

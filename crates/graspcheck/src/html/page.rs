@@ -335,14 +335,17 @@ mod tests {
     #[test]
     fn names_are_escaped_and_failures_lead_the_index() {
         let mut verdict = run("scara/laws_of_time.toml").verdict;
-        let good =
-            Entry {
-                name: "a::good".to_owned(),
-                result: Ok((verdict.clone(), "good.html".to_owned())),
-                as_expected: verdict.as_expected,
-            };
+        let good = Entry {
+            name: "a::good".to_owned(),
+            result: Ok((verdict.clone(), "good.html".to_owned())),
+            as_expected: verdict.as_expected,
+        };
         verdict.as_expected = false;
-        let bad = Entry { name: "z::<bad>".to_owned(), result: Ok((verdict, "bad.html".to_owned())) };
+        let bad = Entry {
+            name: "z::<bad>".to_owned(),
+            result: Ok((verdict, "bad.html".to_owned())),
+            as_expected: false,
+        };
         let lost =
             Entry { name: "y::lost".to_owned(), result: Err("no plan".to_owned()), as_expected: false };
         let text = index(&[good, bad, lost]);
