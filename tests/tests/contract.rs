@@ -9,8 +9,10 @@
 use std::{path::Path, thread};
 
 use graspcheck::{Run, Silent, load, run_scenario};
+use graspcheck_proof::Scene;
 use graspcheck_recording::{JointSeries, PoseSeries, Recording, from_bytes, to_bytes};
-use graspcheck_verify::{CERTIFICATE_JSON, Evidence, Outcome, PLAN_JSON, RESOLVED_JSON, Verdict, judge};
+use graspcheck_verify::{CERTIFICATE_JSON, Evidence, Expectation, Outcome, PLAN_JSON, RESOLVED_JSON, Verdict, judge};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
 /// One scenario of each arm, and one that must fail.
 const SCENARIOS: [&str; 3] =
@@ -130,25 +132,26 @@ fn a_plan_that_was_edited_is_not_the_one_that_was_proved_and_executed() {
 type Loss = (&'static str, fn(&mut Recording), &'static [&'static str]);
 
 /// A check reads the measured states also to know that the run went on.
-const LOSSES: [Loss; 6] = [
+const LOSSES: [Loss; 7] = [
     (
         "measured",
         |log| log.measured = JointSeries::new(std::mem::take(&mut log.measured.names)),
-        &["position", "velocity", "opening", "contacts", "grip"],
+        &["position", "velocity", "opening", "contacts", "grip", "clearance", "tube", "consistency"],
     ),
     (
         "reference",
         |log| log.reference = JointSeries::new(std::mem::take(&mut log.reference.names)),
-        &["torque", "saturation", "stability"],
+        &["torque", "saturation", "stability", "consistency"],
     ),
-    ("tool", |log| log.tool = without_rows(&log.tool), &["tracking", "slip"]),
+    ("tool", |log| log.tool = without_rows(&log.tool), &["tracking", "slip", "consistency"]),
+    ("reference_tool", |log| log.reference_tool = without_rows(&log.reference_tool), &["consistency"]),
     (
         "object",
         |log| log.object = without_rows(&log.object),
-        &["grip", "slip", "place", "place_angle", "rest"],
+        &["grip", "slip", "place", "place_angle", "rest", "clearance", "tube", "consistency"],
     ),
-    ("contacts", |log| log.contacts.clear(), &["contacts", "grip"]),
-    ("monitor", |log| log.monitor.clear(), &["contacts", "grip"]),
+    ("contacts", |log| log.contacts.clear(), &["contacts", "grip", "consistency"]),
+    ("monitor", |log| log.monitor.clear(), &["contacts", "grip", "consistency"]),
 ];
 
 fn without_rows(series: &PoseSeries) -> PoseSeries {
@@ -177,4 +180,97 @@ fn a_log_that_lost_a_channel_is_undecided_wherever_that_channel_is_read() {
         let Some(word) = result.check.strip_prefix("executed.") else { continue };
         assert!(read.contains(&word), "{}: no channel is lost that it reads", result.check);
     }
+}
+
+/// Whoever wants a log to tell another story edits a stream; another one then contradicts it.
+#[test]
+fn a_stream_that_was_edited_contradicts_another() {
+    let recording = run(SCENARIOS[0]).recording;
+    assert!(!failed(&reviewed(&recording)).contains(&"executed.consistency"));
+    let edits: [(&str, fn(&mut Recording)); 9] = [
+        ("a peak torque is lowered", |log| {
+            for effort in &mut log.reference.effort {
+                *effort = effort.clamp(-40.0, 40.0);
+            }
+        }),
+        ("a peak velocity is lowered", |log| {
+            for velocity in &mut log.measured.velocity {
+                *velocity = velocity.clamp(-0.1, 0.1);
+            }
+        }),
+        ("the tool is where it should be", |log| log.tool.pose = log.reference_tool.pose.clone()),
+        ("so are the joints", |log| log.measured.position = log.reference.position.clone()),
+        ("the object is put a millimetre aside", |log| {
+            for pose in &mut log.object.pose {
+                pose[0] += 1e-3;
+            }
+        }),
+        ("the object does not slip from 2.5 s on", |log| {
+            let row = log.object.time_ns.partition_point(|ns| *ns < 2_500_000_000);
+            log.object.pose[row][2] += 3e-4;
+        }),
+        ("the object rests at the end", |log| {
+            let last = log.object.pose.len() - 1;
+            log.object.pose[last][0] += 1e-3;
+        }),
+        ("a contact is lighter", |log| {
+            for contact in &mut log.contacts {
+                contact.normal_force_n *= 0.5;
+            }
+        }),
+        ("the plan was another", |log| {
+            for position in &mut log.reference.position {
+                *position += 1e-5;
+            }
+        }),
+    ];
+    for (story, edit) in edits {
+        let mut log = recording.clone();
+        edit(&mut log);
+        let verdict = reviewed(&log);
+        assert!(failed(&verdict).contains(&"executed.consistency"), "{story}: {:?}", failed(&verdict));
+    }
+}
+
+/// The proof says what sampling cannot see, and never the contrary of what it can.
+#[test]
+fn no_sample_of_an_executed_motion_is_nearer_than_its_proved_clearance() {
+    let mut scenarios = Vec::new();
+    for suite in ["scara", "rrr", "worked_examples"] {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(suite);
+        let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
+        files.sort();
+        scenarios.extend(files.into_iter().filter(|file| file.extension().is_some_and(|end| end == "toml")));
+    }
+    let mut count = 0;
+    for path in scenarios {
+        let scenario = load(&path).unwrap();
+        let resolved = &scenario.resolved;
+        if resolved.execution.is_none() || resolved.expect != Expectation::Pass {
+            continue;
+        }
+        let run = run_scenario(&scenario, &mut Silent).unwrap();
+        let log = &run.recording;
+        let result = run.verdict.checks.iter().find(|result| result.check == "executed.clearance").unwrap();
+        let proved = result.margin.unwrap();
+        let scene = Scene::new(&resolved.robot, &resolved.cell, resolved.object.as_ref()).unwrap();
+        let mut sampler = scene.sampler(&run.plan).unwrap();
+        let dof = resolved.robot.joints.len();
+        let mut least = f64::INFINITY;
+        for row in 0..log.measured.len() {
+            let (arm, fingers) = log.measured.position_row(row).split_at(dof);
+            let time = (log.measured.time_ns[row] as f64 / 1e9).min(run.plan.duration());
+            let object = log.object.pose.get(row).map(|[x, y, z, qx, qy, qz, qw]| {
+                let rotation = UnitQuaternion::from_quaternion(Quaternion::new(*qw, *qx, *qy, *qz));
+                Isometry3::from_parts(Translation3::new(*x, *y, *z), rotation)
+            });
+            let margin = sampler.margin(time, arm, fingers.iter().sum(), object.as_ref());
+            least = least.min(margin.unwrap_or(f64::INFINITY));
+        }
+        // The sampler rounds down by a micrometre at most.
+        assert!(least + 1e-6 >= proved, "{}: sampled {least}, proved {proved}", path.display());
+        assert!(least - proved < 1.2e-3, "{}: sampled {least}, proved only {proved}", path.display());
+        count += 1;
+    }
+    assert!(count > 5, "only {count} scenarios were looked at");
 }

@@ -240,19 +240,22 @@ mod tests {
         assert!(found.looks < 1000 * found.pairs / 20, "{} looks at {} pairs", found.looks, found.pairs);
     }
 
-    #[test]
-    fn a_rod_between_two_rows_is_hit() {
+    /// A ball of 1 cm on an arm of 1 m without thickness that turns about z, and one obstacle.
+    fn ball_on_an_arm(obstacle: (&str, Shape, Pose)) -> Scene {
         let joint = fixtures::joint("pivot", JointKind::Revolute, Pose::identity(), Vector3::z());
-        let ball = Shape::Sphere { radius: 0.01 };
-        let mut robot =
-            fixtures::robot(vec![joint], vec![fixtures::link("tip", vec![(at(1.0, 0.0, 0.0), ball)])]);
+        let tip = fixtures::link("tip", vec![(at(1.0, 0.0, 0.0), Shape::Sphere { radius: 0.01 })]);
+        let mut robot = fixtures::robot(vec![joint], vec![tip]);
         for finger in &mut robot.gripper.fingers {
             finger.link.shapes.clear();
         }
+        Scene::new(&robot, &fixtures::cell(0.0, vec![obstacle]), None).unwrap()
+    }
+
+    #[test]
+    fn a_rod_between_two_rows_is_hit() {
         let turn: f64 = 0.021;
         let rod = Shape::Cylinder { radius: 0.001, half_length: 0.5 };
-        let cell = fixtures::cell(0.0, vec![("rod", rod, at(turn.cos(), turn.sin(), 0.0))]);
-        let scene = Scene::new(&robot, &cell, None).unwrap();
+        let scene = ball_on_an_arm(("rod", rod, at(turn.cos(), turn.sin(), 0.0)));
         // At 75 m/s rows are 75 mm apart; ball and rod are 22 mm wide.
         let plan = fixtures::rest_to_rest(&[-1.0], &[1.0], 0.05);
         let motion = logged(&scene, &plan, 1e-3, 0.0);
@@ -271,18 +274,20 @@ mod tests {
 
     #[test]
     fn the_tube_takes_what_an_error_can_move_the_arm() {
-        let (scene, plan) = scara_past_a_wall();
-        let exact = scene.tracking_tube(&plan, &logged(&scene, &plan, 1e-3, 0.0)).unwrap();
-        let margin = |tube: &crate::TrackingTube| tube.clearance.least.as_ref().unwrap().lower;
-        assert!(exact.errors.iter().all(|error| *error < 1e-9), "{exact:?}");
-        // The tube asks for no contact, the plan for 2 mm.
-        let planned = scene.minimum_margin(&plan, 1e-5).unwrap();
-        assert!((margin(&exact) - planned.lower - 0.002).abs() < 1.1e-3, "{exact:?} {planned:?}");
-        let off = scene.tracking_tube(&plan, &logged(&scene, &plan, 1e-3, 1e-3)).unwrap();
-        assert!(off.errors.iter().all(|error| (error - 1e-3).abs() < 1e-9), "{off:?}");
-        // The arm reaches no farther than 1 m: 2 · 1 mm by its turns, 1 mm by its quill, a little by its wrist.
-        let taken = margin(&exact) - margin(&off);
-        assert!(taken > 2e-4 && taken < 4e-3, "{taken}");
+        // A ball comes to rest at 1 rad, 10 mm before another one at 1.03 rad.
+        let ball = || Shape::Sphere { radius: 0.01 };
+        let turn: f64 = 1.03;
+        let scene = ball_on_an_arm(("ball", ball(), at(turn.cos(), turn.sin(), 0.0)));
+        let plan = fixtures::rest_to_rest(&[-1.0], &[1.0], 1.0);
+        let planned = 2.0 * 0.015_f64.sin() - 0.02;
+        for (error, expected) in [(0.0, planned), (1e-3, planned - 1e-3), (-2e-3, planned - 2e-3)] {
+            let tube = scene.tracking_tube(&plan, &logged(&scene, &plan, 1e-3, error)).unwrap();
+            assert!((tube.errors[0] - f64::abs(error)).abs() < 1e-8, "{tube:?}");
+            let found = tube.clearance.least.as_ref().unwrap().lower;
+            assert!(found <= expected + 1e-6 && found > expected - 1.2e-4, "{found} {expected}");
+        }
+        let tube = scene.tracking_tube(&plan, &logged(&scene, &plan, 1e-3, 0.011)).unwrap();
+        assert_eq!(tube.clearance.outcome, ProofOutcome::Violated, "{tube:?}");
     }
 
     #[test]

@@ -14,30 +14,40 @@
 //! `bounds`, `tree`, [`certify`], [`certificate`], [`minimum`], [`torque`], [`sample`], [`hull`].
 
 mod bounds;
+mod carried;
 pub mod certificate;
 pub mod certify;
 mod chain;
+mod clearance_search;
 pub mod contact;
 pub mod deviation;
 mod displacement;
 mod error;
+pub mod executed;
 #[cfg(test)]
 mod fixtures;
 pub mod gap;
+mod hermite;
 pub mod hull;
+pub mod logged_motion;
 pub mod minimum;
+mod range_tree;
 pub mod sample;
 pub mod scene;
 pub mod solid;
 mod stretch;
 pub mod torque;
+pub mod tracking_tube;
 mod tree;
 
 pub use certificate::{Certificate, Doubt, Leaf, PairCertificate, PairVerdict, ProofOutcome, Sweep, Violation};
+pub use clearance_search::{CourseClearance, CourseDoubt};
 pub use contact::{Contact, RequiredPair};
 pub use error::SceneError;
 pub use hull::hull_triangles;
+pub use logged_motion::{BodyState, JointLog, LoggedMotion, MotionLog, MotionLogError};
 pub use minimum::MarginBounds;
 pub use sample::Sampler;
 pub use scene::Scene;
 pub use torque::{TorquePeak, torque_peaks};
+pub use tracking_tube::TrackingTube;

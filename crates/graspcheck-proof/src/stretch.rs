@@ -1,7 +1,10 @@
-//! A plan cut into stretches on which every joint is one polynomial and the phase is one.
+//! A motion cut into stretches: of a plan, on which every joint is one polynomial and the phase is one; of a
+//! plan with all that tracking may add; or of a logged motion.
 
 use graspcheck_model::plan::Plan;
 use graspcheck_motion::{Polynomial, Trajectory};
+
+use crate::logged_motion::LoggedMotion;
 
 /// Cuts nearer than this to the one before, s, are the same instant: a joint at 10 rad/s turns 1e-11 rad in
 /// it, which is far below the slack of the gaps.
@@ -11,15 +14,33 @@ const SAME_INSTANT: f64 = 1e-12;
 /// speed is found: a hundredth of what the slack of the gaps covers on an arm that reaches 8 m.
 const STANDING_STILL: f64 = 1e-12;
 
-/// A stretch of a plan.
+/// A stretch of a motion.
 #[derive(Clone, Debug)]
 pub(crate) struct Stretch<'p> {
     pub(crate) start: f64,
     pub(crate) end: f64,
     /// Index into the plan's phases.
     pub(crate) phase: usize,
-    arm: Coordinates<'p>,
-    opening: Coordinates<'p>,
+    source: Source<'p>,
+}
+
+/// What says where the joints are.
+#[derive(Clone, Debug)]
+enum Source<'p> {
+    Plan { arm: Coordinates<'p>, opening: Coordinates<'p> },
+    Tube { arm: Coordinates<'p>, opening: Coordinates<'p>, around: Around },
+    Logged(&'p LoggedMotion),
+}
+
+/// How far the joints may be from a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Around {
+    /// Of each arm joint, rad or m.
+    pub(crate) arm: Vec<f64>,
+    /// Of the opening, m.
+    pub(crate) opening: f64,
+    /// The pads stop here, m, whatever opening is commanded.
+    pub(crate) opening_min: f64,
 }
 
 /// The polynomials of some joints, and where their local time begins.
@@ -68,15 +89,58 @@ impl<'p> Coordinates<'p> {
     }
 }
 
-impl Stretch<'_> {
-    /// Position of an arm joint at the middle of `[start, end]`, and its range there.
-    pub(crate) fn arm(&self, joint: usize, start: f64, end: f64) -> Range {
-        self.arm.range(joint, start, end)
+impl Range {
+    /// The range of what may be farther out by `more` on either side.
+    fn widened(self, more: f64) -> Self {
+        Self { below: self.below + more, above: self.above + more, ..self }
     }
 
-    /// The commanded opening likewise.
+    /// The range of what stops at `least`.
+    pub(crate) fn stopped_at(self, least: f64) -> Self {
+        let reference = self.reference.max(least);
+        let [low, high] = [self.reference - self.below, self.reference + self.above].map(|end| end.max(least));
+        Self { reference, below: reference - low, above: high - reference }
+    }
+}
+
+impl<'p> Stretch<'p> {
+    /// A stretch of a logged motion.
+    pub(crate) fn logged(motion: &'p LoggedMotion, [start, end]: [f64; 2], phase: usize) -> Self {
+        Self { start, end, phase, source: Source::Logged(motion) }
+    }
+
+    /// A stretch of a plan as a set of motions: all that stay this near to it.
+    pub(crate) fn around(self, around: Around) -> Self {
+        let source = match self.source {
+            Source::Plan { arm, opening } => Source::Tube { arm, opening, around },
+            other => other,
+        };
+        Self { source, ..self }
+    }
+
+    /// Whether it is a set of motions: not even at one instant is it known where the joints are.
+    pub(crate) fn is_tube(&self) -> bool {
+        matches!(self.source, Source::Tube { .. })
+    }
+
+    /// Position of an arm joint at the middle of `[start, end]`, and its range there.
+    pub(crate) fn arm(&self, joint: usize, start: f64, end: f64) -> Range {
+        match &self.source {
+            Source::Plan { arm, .. } => arm.range(joint, start, end),
+            Source::Tube { arm, around, .. } => arm.range(joint, start, end).widened(around.arm[joint]),
+            Source::Logged(motion) => motion.arm(joint, start, end),
+        }
+    }
+
+    /// The opening likewise.
     pub(crate) fn opening(&self, start: f64, end: f64) -> Range {
-        self.opening.range(0, start, end)
+        match &self.source {
+            Source::Plan { opening, .. } => opening.range(0, start, end),
+            Source::Tube { opening, around, .. } => {
+                opening.range(0, start, end).stopped_at(around.opening_min).widened(around.opening)
+            }
+            Source::Logged(motion) => motion.opening(start, end),
+        }
     }
 }
 
@@ -94,6 +158,21 @@ fn value(polynomial: &Polynomial, tau: f64) -> f64 {
 /// # Errors
 /// Says in words what is wrong with the plan.
 pub(crate) fn stretches(plan: &Plan, dof: usize) -> Result<Vec<Stretch<'_>>, String> {
+    let stretch = |pair: &[f64]| {
+        let (start, end) = (pair[0], pair[1]);
+        let phase = plan.phase_index_at(middle(start, end));
+        let arm = Coordinates::new(&plan.trajectory, start, end);
+        let opening = Coordinates::new(&plan.opening, start, end);
+        Stretch { start, end, phase, source: Source::Plan { arm, opening } }
+    };
+    Ok(cuts(plan, dof)?.windows(2).map(stretch).collect())
+}
+
+/// The instants at which stretches of a plan begin and end, from 0 to its duration, s.
+///
+/// # Errors
+/// Says in words what is wrong with the plan.
+pub(crate) fn cuts(plan: &Plan, dof: usize) -> Result<Vec<f64>, String> {
     plan.check(dof).map_err(|fault| format!("plan: {fault}"))?;
     let mut cuts: Vec<f64> =
         Vec::with_capacity(plan.trajectory.knots().len() + plan.opening.knots().len() + plan.phases.len());
@@ -108,14 +187,7 @@ pub(crate) fn stretches(plan: &Plan, dof: usize) -> Result<Vec<Stretch<'_>>, Str
     if let Some(last) = cuts.last_mut() {
         *last = duration;
     }
-    let stretch = |pair: &[f64]| {
-        let (start, end) = (pair[0], pair[1]);
-        let phase = plan.phase_index_at(middle(start, end));
-        let arm = Coordinates::new(&plan.trajectory, start, end);
-        let opening = Coordinates::new(&plan.opening, start, end);
-        Stretch { start, end, phase, arm, opening }
-    };
-    Ok(cuts.windows(2).map(stretch).collect())
+    Ok(cuts)
 }
 
 #[cfg(test)]

@@ -4,12 +4,13 @@
 use std::sync::OnceLock;
 
 use graspcheck_model::{plan::Plan, robot::Joint};
-use graspcheck_proof::{Certificate, Scene, SceneError, certificate::CERTIFICATE_SCHEMA};
+use graspcheck_proof::{Certificate, LoggedMotion, Scene, SceneError, certificate::CERTIFICATE_SCHEMA};
 use graspcheck_recording::{Attachment, Recording};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::{
     finding::Gap,
+    logged,
     resolved::{RESOLVED_SCHEMA, Resolved},
 };
 
@@ -21,6 +22,8 @@ pub const PLAN_JSON: &str = "plan.json";
 pub const PLAN_SCHEMA: u32 = 1;
 /// Name of the attachment that holds the [`Certificate`].
 pub const CERTIFICATE_JSON: &str = "certificate.json";
+/// Name in the record of a run under which stands why a plan was not executed though it should have been.
+pub const NOT_EXECUTED: &str = "not_executed";
 /// Name under which a verdict travels.
 pub const VERDICT_JSON: &str = "verdict.json";
 
@@ -96,6 +99,8 @@ pub struct Evidence<'a> {
     pub recording: &'a Recording,
     /// The proof as it is found here, made when it is first asked for.
     proof: OnceLock<Result<Proof, SceneError>>,
+    /// The executed motion, put together when it is first asked for.
+    motion: OnceLock<Result<LoggedMotion, Gap>>,
 }
 
 /// The proof of clearance that robot, cell, object and plan give.
@@ -120,7 +125,7 @@ impl<'a> Evidence<'a> {
         plan.check(resolved.robot.dof())
             .map_err(|fault| inconsistent(PLAN_JSON, fault.what, &fault.found, fault.expected))?;
         streams_are_full(recording)?;
-        Ok(Self { resolved, plan, certificate, recording, proof: OnceLock::new() })
+        Ok(Self { resolved, plan, certificate, recording, proof: OnceLock::new(), motion: OnceLock::new() })
     }
 
     /// The proof that is found here; several checks read it, and it is made once.
@@ -133,6 +138,11 @@ impl<'a> Evidence<'a> {
         };
         let made: &Result<Proof, SceneError> = self.proof.get_or_init(make);
         made.as_ref().map_err(|error| Gap::inconclusive(None, error.to_string()))
+    }
+
+    /// The executed motion as it was measured.
+    pub(crate) fn motion(&self) -> Result<&LoggedMotion, Gap> {
+        self.motion.get_or_init(|| logged::motion(self)).as_ref().map_err(Gap::clone)
     }
 
     /// The joints of the arm, from base to tool.

@@ -364,26 +364,36 @@ pub(crate) fn blends() -> Run {
 fn executed(robot: &RobotModel, plan: &Plan) -> Recording {
     let grasp = plan.grasp.as_ref().unwrap();
     let names = vec!["lift".into(), "turn".into(), "left_finger_joint".into(), "right_finger_joint".into()];
-    let mut measured = JointSeries::new(names);
+    let (mut measured, mut reference) = (JointSeries::new(names.clone()), JointSeries::new(names));
     let series =
         |child: &str| PoseSeries { frame: "world".into(), child: child.into(), ..Default::default() };
     let (mut tool, mut object, mut contacts) = (series("tool"), series("cube"), Vec::new());
-    let mut state = MotionState::zeros(2);
+    let (mut state, mut opening) = (MotionState::zeros(2), MotionState::zeros(1));
     let steps = (plan.duration() / DT).round() as i64;
     for step in 0..=steps {
         let time_ns = step * ns_of(DT);
         let time = time_ns as f64 / 1e9;
         plan.trajectory.eval_held(time, &mut state);
-        let commanded = plan.opening.eval(time.min(plan.duration())).q[0];
+        plan.opening.eval_held(time, &mut opening);
+        let commanded = opening.q[0];
         let between =
             matches!(plan.phase_at(time).holding, Holding::Closing | Holding::Held | Holding::Opening);
         let pads = 0.5 * if between { commanded.max(grasp.width) } else { commanded };
         measured.time_ns.push(time_ns);
         measured.position.extend(state.q.iter().chain(&[pads, pads]));
-        measured.velocity.extend(state.qd.iter().chain(&[0.0, 0.0]));
-        measured.effort.extend([10.0, 0.5, GRIP, GRIP]);
+        let is_stopped = between && commanded < grasp.width;
+        let pad_speed = if is_stopped { 0.0 } else { 0.5 * opening.qd[0] };
+        measured.velocity.extend(state.qd.iter().chain(&[pad_speed, pad_speed]));
         let world_from_tool = robot.world_from_tool(&state.q);
         let phase = plan.phase_at(time);
+        let gripped =
+            phase.holding == Holding::Held || (phase.holding == Holding::Closing && phase.end - time < 0.1);
+        let pressed = if gripped { -GRIP } else { 0.0 };
+        measured.effort.extend([10.0, 0.5, pressed, pressed]);
+        reference.time_ns.push(time_ns);
+        reference.position.extend(state.q.iter().chain(&[0.5 * opening.q[0]; 2]));
+        reference.velocity.extend(state.qd.iter().chain(&[0.5 * opening.qd[0]; 2]));
+        reference.effort.extend([10.0, 0.5, pressed, pressed]);
         let world_from_object = match phase.holding {
             Holding::Held => world_from_tool * grasp.tool_from_object,
             Holding::Opening | Holding::Placed => grasp.world_from_placed,
@@ -391,27 +401,35 @@ fn executed(robot: &RobotModel, plan: &Plan) -> Recording {
         };
         tool.time_ns.push(time_ns);
         tool.pose.push(row(&world_from_tool));
-        tool.twist.push([0.0; 6]);
+        // Both bodies stand on the axis about which the arm turns.
+        let twist = [0.0, 0.0, state.qd[0], 0.0, 0.0, state.qd[1]];
+        tool.twist.push(twist);
         object.time_ns.push(time_ns);
         object.pose.push(row(&world_from_object));
-        object.twist.push([0.0; 6]);
-        let gripped =
-            phase.holding == Holding::Held || (phase.holding == Holding::Closing && phase.end - time < 0.1);
-        for finger in ["left_finger", "right_finger"] {
+        object.twist.push(if phase.holding == Holding::Held { twist } else { [0.0; 6] });
+        for (finger, side) in [("left_finger", 1.0), ("right_finger", -1.0)] {
             if gripped {
-                contacts.push(contact(time_ns, "cube", finger, 1e-5, GRIP));
+                let normal = [0.0, side, 0.0];
+                contacts.push(ContactSample { normal, ..contact(time_ns, "cube", finger, 1e-5, GRIP) });
             }
         }
         if phase.holding != Holding::Held {
             contacts.push(contact(time_ns, "cube", "table", 1e-6, 0.5));
         }
     }
-    let monitor = measured.time_ns.iter().map(|&time_ns| MonitorSample { time_ns, ..Default::default() });
+    let monitor = measured.time_ns.iter().enumerate().map(|(row, &time_ns)| MonitorSample {
+        time_ns,
+        phase: plan.phase_index_at(time_ns as f64 / 1e9) as u32,
+        opening_m: measured.position_row(row)[2..].iter().sum(),
+        grip_force_n: -measured.effort_row(row)[2],
+        ..Default::default()
+    });
+    let monitor = monitor.collect();
     Recording {
-        monitor: monitor.collect(),
-        reference: measured.clone(),
+        monitor,
+        reference,
         measured,
-        reference_tool: tool.clone(),
+        reference_tool: PoseSeries { child: "reference_tool".into(), ..tool.clone() },
         tool,
         object,
         contacts,

@@ -216,7 +216,7 @@ mod tests {
         let broken = || {
             let mut run = fixture::pick();
             run.resolved.robot.joints[1].limits.jerk = 1.0;
-            run.recording.contacts.push(contact(ns_of(4.0), "palm", "table", 0.0, 3.0));
+            run.touch(contact(ns_of(4.0), "palm", "table", 0.0, 3.0));
             run
         };
         assert!(!broken().judged().as_expected);

@@ -22,6 +22,9 @@
 //! | `executed.position`, `.velocity` | the measured joints are within their limits |
 //! | `executed.torque`, `.saturation` | the controller asks for no more effort than there is |
 //! | `executed.tracking` | the tool is where the plan has it, at equal times |
+//! | `executed.clearance` | every pair keeps its distance along the executed motion, between rows, too |
+//! | `executed.tube` | the plan stays free within the measured tracking error |
+//! | `executed.consistency` | the streams of the log do not contradict each other |
 //! | `executed.contacts` | nothing touches that may not, and nothing deeper than it may |
 //! | `executed.grip` | the fingers press before the lift begins |
 //! | `executed.slip` | the object stays in the gripper from lift to release |
@@ -38,6 +41,7 @@ mod finding;
 mod fixture;
 mod judge;
 pub mod metrics;
+mod logged;
 pub mod note;
 pub mod resolved;
 mod stream;
@@ -45,7 +49,7 @@ pub mod verdict;
 
 pub use checks::{CHECKS, Check};
 pub use evidence::{
-    CERTIFICATE_JSON, Evidence, EvidenceError, PLAN_JSON, RESOLVED_JSON, VERDICT_JSON, attach,
+    CERTIFICATE_JSON, Evidence, EvidenceError, NOT_EXECUTED, PLAN_JSON, RESOLVED_JSON, VERDICT_JSON, attach,
 };
 pub use judge::{is_meant_by, judge};
 pub use note::{Note, NotePart};

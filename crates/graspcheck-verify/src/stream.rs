@@ -6,7 +6,10 @@ use graspcheck_model::Pose;
 use graspcheck_recording::{ContactSample, JointSeries, PoseSeries};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use crate::{evidence::Evidence, finding::Gap};
+use crate::{
+    evidence::{Evidence, NOT_EXECUTED},
+    finding::Gap,
+};
 
 /// How far the length of a quaternion in a recording may be from 1: rounding of a product of rotations.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -54,6 +57,13 @@ impl<'a> JointStream<'a> {
         Self::new("reference", &evidence.recording.reference, &arm(evidence), evidence)
     }
 
+    /// What was commanded of the two fingers.
+    pub(crate) fn commanded_fingers(evidence: &Evidence<'a>) -> Result<Self, Gap> {
+        let fingers = evidence.resolved.robot.gripper.fingers.each_ref();
+        let names = fingers.map(|finger| finger.joint.as_str());
+        Self::new("reference", &evidence.recording.reference, &names, evidence)
+    }
+
     fn new(
         stream: &'static str,
         series: &'a JointSeries,
@@ -80,6 +90,30 @@ impl<'a> JointStream<'a> {
             }
         }
         Ok(Self { series, columns })
+    }
+
+    /// Positions of a joint, row by row.
+    pub(crate) fn positions(&self, joint: usize) -> impl Iterator<Item = f64> + '_ {
+        self.column(&self.series.position, joint)
+    }
+
+    /// Velocities of a joint, row by row.
+    pub(crate) fn velocities(&self, joint: usize) -> impl Iterator<Item = f64> + '_ {
+        self.column(&self.series.velocity, joint)
+    }
+
+    /// Efforts of a joint, row by row.
+    pub(crate) fn efforts(&self, joint: usize) -> impl Iterator<Item = f64> + '_ {
+        self.column(&self.series.effort, joint)
+    }
+
+    fn column<'c>(&self, values: &'c [f64], joint: usize) -> impl Iterator<Item = f64> + 'c {
+        values.iter().skip(self.columns[joint]).step_by(self.series.names.len()).copied()
+    }
+
+    /// The times of the rows, ns.
+    pub(crate) fn times(&self) -> &'a [i64] {
+        &self.series.time_ns
     }
 
     /// All samples, in order of time and then of joints.
@@ -123,6 +157,11 @@ impl PoseSample {
 /// Measured poses of the tool frame.
 pub(crate) fn tool(evidence: &Evidence<'_>) -> Result<Vec<PoseSample>, Gap> {
     poses("tool", &evidence.recording.tool, evidence)
+}
+
+/// Commanded poses of the tool frame.
+pub(crate) fn reference_tool(evidence: &Evidence<'_>) -> Result<Vec<PoseSample>, Gap> {
+    poses("reference_tool", &evidence.recording.reference_tool, evidence)
 }
 
 /// Commanded poses of the tool frame.
@@ -224,7 +263,10 @@ pub(crate) fn timed(stream: &'static str, time_ns: &[i64], evidence: &Evidence<'
         return requested(evidence);
     };
     let (Some(&first), Some(&last)) = (time_ns.first(), time_ns.last()) else {
-        let note = format!("stream {stream} is empty, though the plan was executed");
+        let note = match evidence.recording.metadata.get(NOT_EXECUTED) {
+            Some(reason) => format!("the plan was not executed: {reason}"),
+            None => format!("stream {stream} is empty, though the plan was executed"),
+        };
         return Err(Gap::inconclusive(None, note));
     };
     let step_ns = execution.dt * 1e9;

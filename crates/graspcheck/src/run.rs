@@ -6,7 +6,7 @@ use graspcheck_proof::{ProofOutcome, Scene, SceneError};
 use graspcheck_recording::{Attachment, Diagnostic, Event, Level, Recording};
 use graspcheck_scenario::Scenario;
 use graspcheck_sim::SimError;
-use graspcheck_verify::{Evidence, EvidenceError, Outcome, Verdict, attach, judge};
+use graspcheck_verify::{Evidence, EvidenceError, NOT_EXECUTED, Outcome, Verdict, attach, judge};
 
 use crate::{candidates, limit_proofs, markers, report};
 
@@ -98,7 +98,9 @@ impl Observer for Silent {
 ///
 /// The verdict is made by [`graspcheck_verify::judge`] from the recording alone, so that the same file
 /// gives the same verdict later. A plan that fails its proofs is executed all the same; both verdicts then
-/// stand side by side.
+/// stand side by side. Where the physics gives up a plan that is refuted, because the object overlaps something
+/// at the start or bodies go through each other in one step, every check of the execution says so and is
+/// inconclusive.
 ///
 /// # Errors
 /// When there is no plan, the scene is not valid, or the simulation cannot be trusted.
@@ -128,7 +130,7 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
     let mut recording = match &resolved.execution {
         Some(execution) => {
             let mut steps = 0;
-            let recording = graspcheck_sim::simulate(
+            let executed = graspcheck_sim::simulate(
                 &resolved.robot,
                 &resolved.cell,
                 object,
@@ -138,9 +140,18 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
                     steps = of;
                     observer.simulating(step, of);
                 },
-            )?;
-            observer.done(Stage::Simulated { steps, dt: execution.dt });
-            recording
+            );
+            match executed {
+                Ok(recording) => {
+                    observer.done(Stage::Simulated { steps, dt: execution.dt });
+                    recording
+                }
+                // What is refuted may be beyond what physics can execute; the verdict says both.
+                Err(reason) if certificate.outcome() == ProofOutcome::Violated && is_of_the_motion(&reason) => {
+                    not_executed(&plan, &reason)
+                }
+                Err(error) => return Err(error.into()),
+            }
         }
         None => Recording { events: graspcheck_sim::phase_events(&plan), ..Recording::default() },
     };
@@ -163,6 +174,18 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
     });
     enter_verdict(&mut recording, &verdict);
     Ok(Run { recording, verdict, plan, candidates })
+}
+
+/// Whether a simulation was given up for what the plan does, and not for what the simulation is.
+fn is_of_the_motion(error: &SimError) -> bool {
+    matches!(error, SimError::StartsInPenetration { .. } | SimError::StepTooLong { .. })
+}
+
+/// The recording of a plan that was to be executed and was not.
+fn not_executed(plan: &Plan, reason: &SimError) -> Recording {
+    let mut recording = Recording { events: graspcheck_sim::phase_events(plan), ..Recording::default() };
+    recording.metadata.insert(NOT_EXECUTED.to_owned(), reason.to_string());
+    recording
 }
 
 /// The record `run`: what ran, in words.

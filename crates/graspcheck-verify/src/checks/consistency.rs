@@ -24,6 +24,7 @@ use crate::{
     evidence::Evidence,
     finding::{Finding, Gap},
     note::Note,
+    resolved::Resolved,
     stream::{self, JointStream, PoseSample, seconds},
     verdict::Unit,
 };
@@ -286,8 +287,10 @@ impl<'e, 'r> Streams<'e, 'r> {
     fn speeds(&self, faults: &mut Faults) {
         let resolved = &self.evidence.resolved;
         let dt = resolved.execution.as_ref().map_or(0.0, |execution| execution.dt);
+        let hit = self.rows_with_a_crash();
         for (joint, model) in resolved.robot.joints.iter().enumerate() {
-            let allowed = vec![SHARE_OF_STEP * dt * model.limits.acceleration; self.times.len()];
+            let smooth = SHARE_OF_STEP * dt * model.limits.acceleration;
+            let allowed: Vec<f64> = hit.iter().map(|hit| if *hit { f64::INFINITY } else { smooth }).collect();
             let unit = Unit::of_derivative(model.kind, 1);
             let (positions, velocities) = (self.measured.positions(joint), self.measured.velocities(joint));
             let column = Column { stream: "measured", name: &model.name, allowed: &allowed, unit };
@@ -331,6 +334,26 @@ impl<'e, 'r> Streams<'e, 'r> {
             column.check(faults, &self.times, &positions, &velocities);
         }
         self.turning(faults, &allowed);
+    }
+
+    /// The rows at or beside which something presses against the arm that is not the object: what it does to
+    /// the joints within a step has no bound, and it is a fault by itself.
+    fn rows_with_a_crash(&self) -> Vec<bool> {
+        let Resolved { robot, object, .. } = &self.evidence.resolved;
+        let links = robot.links.iter().chain(robot.gripper.fingers.iter().map(|finger| &finger.link));
+        let names: Vec<&str> = links.map(|link| link.name.as_str()).collect();
+        let object = object.as_ref().map(|object| object.name.as_str());
+        let mut hit = vec![false; self.times.len()];
+        for contact in &self.evidence.recording.contacts {
+            let bodies = [contact.body_a.as_str(), contact.body_b.as_str()];
+            let is_crash = bodies.iter().any(|body| names.contains(body))
+                && !bodies.iter().any(|body| object == Some(*body))
+                && contact.normal_force_n > 0.0;
+            if let (true, Ok(row)) = (is_crash, self.measured.times().binary_search(&contact.time_ns)) {
+                hit[row.saturating_sub(2)..(row + 3).min(self.times.len())].fill(true);
+            }
+        }
+        hit
     }
 
     /// What positions and velocities of a body may miss of each other in each row, m/s: a little, and twice (for

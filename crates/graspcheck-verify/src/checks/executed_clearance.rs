@@ -130,19 +130,18 @@ mod tests {
     /// The arm swings aside between two rows, where no sample sees it, and back.
     #[test]
     fn a_collision_between_two_rows_is_found() {
-        // Beside the palm, which is 4 cm long along x and 6 cm along y, by half a millimetre.
-        let beside = [0.0, 0.06 + 0.006 + 0.01, 0.24];
-        let mut run = with_post(0.01, beside);
+        // Half a millimetre beside a corner of the palm, and at a height that it has at the start only.
+        let mut run = with_post(0.01, [0.035, 0.06 + 0.0005 + 0.01, 0.275]);
         run.resolved.cell.clearance.required = 1e-4;
         assert_eq!(run.check("executed.clearance").outcome, Outcome::Pass);
-        let row = run.rows_from(4.5).start;
-        // Out at 9 rad/s and back: by (h/4) 9 rad = 0.0225 rad in the middle.
+        let row = run.rows_from(0.1).start;
+        // Out at 30 rad/s and back: by (h/4) 30 rad/s = 4.3° in the middle.
         run.recording.measured.velocity[4 * row + 1] = 30.0;
         run.recording.measured.velocity[4 * (row + 1) + 1] = -30.0;
         let result = run.check("executed.clearance");
         assert_eq!(result.outcome, Outcome::Fail, "{result:?}");
         let time = result.time.unwrap();
-        assert!(time > 4.5 && time < 4.5 + DT, "{result:?}");
+        assert!(time > 0.1 && time < 0.1 + DT, "{result:?}");
         assert!(result.place.subjects.contains(&"post".to_owned()));
     }
 

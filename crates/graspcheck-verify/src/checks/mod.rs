@@ -5,10 +5,12 @@
 //! no check can pass without a value.
 
 mod clearance;
+mod consistency;
 mod contacts;
 mod continuity;
 mod deviation;
 mod executed;
+mod executed_clearance;
 mod grip;
 mod held;
 mod limits;
@@ -58,6 +60,8 @@ pub const CHECKS: &[Check] = &[
     Check { name: "executed.saturation", basis: Basis::Measured, find: executed::saturation },
     Check { name: "executed.stability", basis: Basis::Measured, find: stability::stability },
     Check { name: "executed.tracking", basis: Basis::Measured, find: executed::tracking },
+    Check { name: "executed.clearance", basis: Basis::Proved, find: executed_clearance::clearance },
+    Check { name: "executed.tube", basis: Basis::Proved, find: executed_clearance::tube },
     Check { name: "executed.contacts", basis: Basis::Measured, find: contacts::contacts },
     Check { name: "executed.opening", basis: Basis::Measured, find: opening::opening },
     Check { name: "executed.grip", basis: Basis::Measured, find: grip::grip },
@@ -65,6 +69,7 @@ pub const CHECKS: &[Check] = &[
     Check { name: "executed.place", basis: Basis::Measured, find: place::place },
     Check { name: "executed.place_angle", basis: Basis::Measured, find: place::place_angle },
     Check { name: "executed.rest", basis: Basis::Measured, find: place::rest },
+    Check { name: "executed.consistency", basis: Basis::Measured, find: consistency::consistency },
     Check { name: "executed.utilisation", basis: Basis::Measured, find: utilisation::executed },
 ];
 
