@@ -147,7 +147,27 @@ impl Polynomial {
     /// ```
     #[must_use]
     pub fn derivative_of_order(&self, order: usize) -> Self {
-        Self { coefficients: std::array::from_fn(|i| self.derivative_coefficient(order, i)) }
+        match order {
+            0 => *self,
+            1 => self.derived::<1>(),
+            2 => self.derived::<2>(),
+            3 => self.derived::<3>(),
+            4 => self.derived::<4>(),
+            5 => self.derived::<5>(),
+            6 => self.derived::<6>(),
+            7 => self.derived::<7>(),
+            _ => Self::default(),
+        }
+    }
+
+    /// The K-th derivative; the order is a constant, so that nothing is looked up.
+    fn derived<const K: usize>(&self) -> Self {
+        let c = &self.coefficients;
+        Self {
+            coefficients: std::array::from_fn(|i| {
+                if i + K <= MAX_DEGREE { FALLING_FACTORIALS[K][i] * c[i + K] } else { 0.0 }
+            }),
+        }
     }
 
     /// The coefficient of τⁱ in the derivative of the given order, rounded once.
