@@ -103,11 +103,7 @@ fn carry_out(selected: &Selected, arguments: &RunArguments, observer: &mut dyn O
 }
 
 fn code_of(run: &Run) -> u8 {
-    match run.verdict.outcome {
-        _ if run.verdict.as_expected => exit::AS_EXPECTED,
-        Outcome::Inconclusive | Outcome::NotRequested => exit::INCONCLUSIVE,
-        Outcome::Pass | Outcome::Fail => exit::NOT_AS_EXPECTED,
-    }
+    exit::of_verdict(&run.verdict)
 }
 
 fn one_scenario(selected: &Selected, arguments: &RunArguments) -> u8 {
