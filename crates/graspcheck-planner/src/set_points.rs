@@ -18,10 +18,11 @@
 //! let opening = Trajectory::hold(&[0.0], 2.0).expect("it lasts");
 //! let plan = Plan { trajectory, opening, phases, grasp: None, paths: Vec::new() };
 //!
-//! // Straight lines between ten points a second: 20 pieces, and the velocity jumps at all 19 points between them.
+//! // Straight lines between ten points a second: 20 pieces, and the velocity jumps at the 19 points between them but the
+//! // middle one, on both sides of which the swing covers the same.
 //! let points = SetPoints { period: 0.1, interpolation: Interpolation::Linear };
 //! let executed = interpolated(plan, points).expect("few points").trajectory;
-//! assert_eq!((executed.piece_count(), executed.breaks().len()), (20, 19));
+//! assert_eq!((executed.piece_count(), executed.breaks().len()), (20, 18));
 //! assert!(executed.breaks().iter().all(|at| at.order == 1));
 //! ```
 
