@@ -50,9 +50,9 @@ const SHARE_OF_MOTION: f64 = 0.5;
 /// not decide more.
 const SHARE_OF_LOSS: f64 = 0.05;
 
-/// When motion can take more than this many times what the normal at hand leaves over, no other normal will
-/// do for the whole interval.
-const HOPELESS: f64 = 4.0;
+/// When motion can take more than this many times what the normal at hand leaves over, a better normal would
+/// seldom do for the whole interval, and looking for it costs more than to halve the interval.
+const HOPELESS: f64 = 1.4;
 
 /// Marks a pair that the search has not met.
 const NOT_MET: u32 = u32::MAX;
@@ -365,7 +365,7 @@ impl View<'_> {
         if hint_gap - hint_loss >= required {
             return Step::Proved(self.leaf(&hint, hint_gap, hint_loss));
         }
-        // A shorter interval is needed in any case: a search for a better normal can wait.
+        // A search for a better normal can wait for a shorter interval; nothing is violated at this instant.
         if room > 0.0 && hint_loss > HOPELESS * room && end - start >= self.shortest {
             return Step::Open(hint);
         }
