@@ -40,7 +40,9 @@ pub mod torque;
 pub mod tracking_tube;
 mod tree;
 
-pub use certificate::{Certificate, Doubt, Leaf, PairCertificate, PairVerdict, ProofOutcome, Sweep, Violation};
+pub use certificate::{
+    Certificate, Doubt, Leaf, PairCertificate, PairVerdict, ProofOutcome, Sweep, Violation,
+};
 pub use clearance_search::{CourseClearance, CourseDoubt};
 pub use contact::{Contact, RequiredPair};
 pub use error::SceneError;
