@@ -68,7 +68,7 @@ fn way(distance: f64, turn: f64) -> f64 {
 /// let path =
 ///     through_points(&points, &[0.0, 3.0, 9.4], &UnitQuaternion::identity(), &Vector3::z_axis(), &ends)?;
 /// assert!((path.pose(1.0).translation.vector - points[2]).norm() < 1e-15);
-/// assert!((path.pose(1.0).rotation.angle() - (9.4 - 2.0 * std::f64::consts::TAU).abs()).abs() < 1e-12);
+/// assert!((path.pose(1.0).rotation.angle() - (9.4 - std::f64::consts::TAU)).abs() < 1e-12);
 /// # Ok::<(), graspcheck_planner::path::PathError>(())
 /// ```
 ///
