@@ -53,9 +53,9 @@ fn print(arm: Arm, tally: &Tally) {
     println!(
         "  scenes: {free_scenes} free, {violated_scenes} with a hit, {unknown_scenes} with an unknown pair"
     );
-    let Tally { free, violated, unknown, not_checked, leaves, .. } = tally;
+    let Tally { free, violated, unknown, not_checked, leaves, sweeps, .. } = tally;
     println!(
-        "  pairs: {free} free, {violated} hit, {unknown} unknown, {not_checked} not checked; {leaves} leaves"
+        "  pairs: {free} free, {violated} hit, {unknown} unknown, {not_checked} not checked; {leaves} leaves, {sweeps} sweeps"
     );
     let Tally { looked_at, excluded, vague, bracketed, loose, .. } = tally;
     println!(

@@ -5,5 +5,6 @@ mod trial;
 
 mod campaign;
 mod distance;
+mod limits_and_torque;
 mod metamorphic;
 mod thin_and_grazing;

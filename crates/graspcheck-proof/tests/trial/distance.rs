@@ -35,6 +35,11 @@ struct Corner {
     weight: f64,
 }
 
+/// The width of the slab across a direction of length 1 from A to B: no more than the signed distance, m.
+pub fn slab(a: &Placed, b: &Placed, n: &Vector3<f64>) -> f64 {
+    n.dot(&(b.support(&-n) - a.support(n))) - a.solid.radius - b.solid.radius
+}
+
 /// The distance as exactly as it can be found.
 pub fn distance(a: &Placed, b: &Placed) -> Distance {
     distance_above(a, b, f64::INFINITY)

@@ -4,14 +4,14 @@ use std::collections::BTreeSet;
 
 use graspcheck_model::robot::RobotModel;
 use graspcheck_proof::{
-    Leaf, MarginBounds, PairCertificate, PairVerdict, Scene, Violation,
+    Certificate, Leaf, MarginBounds, PairCertificate, PairVerdict, Scene, Sweep, Violation,
     contact::{APPROACH_MARGIN, DEPTH_LIMIT, SUPPORT_OVERLAP},
 };
 use nalgebra::Vector3;
 
 use super::{
-    distance::{Distance, distance_above},
-    motion::{Bodies, Carrier, Moment},
+    distance::{Distance, distance_above, slab},
+    motion::{Bodies, Carrier, Moment, Part},
     random::Case,
     solid::Placed,
 };
@@ -26,6 +26,8 @@ const WITNESS: f64 = 1e-8;
 const TOLERANCE: f64 = 1e-4;
 /// The bounds of the judge's own distance are this near, m, or the sample is counted as vague.
 const VAGUE: f64 = 1e-7;
+/// A slab that shows more than this share of what the distance was above the claim a little earlier shows enough.
+const ENOUGH: f64 = 0.5;
 /// Samples that share one bound on the speeds.
 const WINDOW: usize = 32;
 
@@ -43,6 +45,7 @@ pub struct Tally {
     pub free_scenes: u64,
     pub violated_scenes: u64,
     pub leaves: u64,
+    pub sweeps: u64,
     /// Samples of a pair that the speed bound left to be looked at, and those that it excluded.
     pub looked_at: u64,
     pub excluded: u64,
@@ -67,6 +70,7 @@ impl Tally {
         self.free_scenes += other.free_scenes;
         self.violated_scenes += other.violated_scenes;
         self.leaves += other.leaves;
+        self.sweeps += other.sweeps;
         self.looked_at += other.looked_at;
         self.excluded += other.excluded;
         self.vague += other.vague;
@@ -85,12 +89,9 @@ pub fn judge(label: &str, case: &Case, of_hits: bool) -> Tally {
     let least = wanted.then(|| scene.minimum_margin(&case.plan, TOLERANCE)).flatten();
     let bodies = case.bodies();
     let mut judge = Judge::new(label, case, &bodies);
-    judge.pairs_are(&certificate.pairs);
-    for pair in &certificate.pairs {
-        judge.pair(pair, least.as_ref());
-    }
+    judge.pairs(&certificate, least.as_ref());
     if wanted {
-        judge.least(&certificate.pairs, least.as_ref());
+        judge.least(&certificate, least.as_ref());
     }
     let mut tally = judge.tally;
     tally.scenes = 1;
@@ -135,35 +136,66 @@ impl<'c> Judge<'c> {
         self.tally.contradictions.push(format!("{}: {what}", self.label));
     }
 
-    /// No pair is missing: every link against the cell, links that may not touch against each other, the object
-    /// against all.
-    fn pairs_are(&mut self, pairs: &[PairCertificate]) {
-        let robot = &self.case.robot;
-        let is_cell = |body: &str| self.case.cell.bodies.iter().any(|obstacle| obstacle.name == body);
+    /// Every two solids that must keep apart: links against the cell, links that may not touch against each other, the
+    /// object against all.
+    fn expected(&self) -> BTreeSet<[usize; 2]> {
         let parts = &self.bodies.parts;
-        let mut expected: BTreeSet<[(&str, usize); 2]> = BTreeSet::new();
-        for a in parts {
-            for b in parts {
-                let ordered = (&a.body, a.index) < (&b.body, b.index);
-                if ordered
-                    && a.body != b.body
-                    && !(is_cell(&a.body) && is_cell(&b.body))
-                    && !may_touch(robot, &a.body, &b.body)
-                {
-                    expected.insert([(a.body.as_str(), a.index), (b.body.as_str(), b.index)]);
+        let is_cell = |body: &str| self.case.cell.bodies.iter().any(|obstacle| obstacle.name == body);
+        let judged = |a: &Part, b: &Part| {
+            a.body != b.body
+                && !(is_cell(&a.body) && is_cell(&b.body))
+                && !may_touch(&self.case.robot, &a.body, &b.body)
+        };
+        let all = (0..parts.len()).flat_map(|b| (0..b).map(move |a| [a, b]));
+        all.filter(|[a, b]| judged(&parts[*a], &parts[*b])).collect()
+    }
+
+    /// No pair is missing: those that are not listed are proved by sweeps alone.
+    fn pairs(&mut self, certificate: &Certificate, least: Option<&MarginBounds>) {
+        let mut open = self.expected();
+        if certificate.pair_count != open.len() {
+            self.contradict(&format!("{} pairs, not {}", certificate.pair_count, open.len()));
+        }
+        self.sweeps(&certificate.sweeps);
+        for pair in &certificate.pairs {
+            let name = format!("{} {} - {} {}", pair.a, pair.part_a, pair.b, pair.part_b);
+            let ends = [(&pair.a, pair.part_a), (&pair.b, pair.part_b)];
+            let [Some(a), Some(b)] = ends.map(|(body, index)| self.bodies.part(body, index)) else {
+                self.contradict(&format!("{name}: there is no such pair"));
+                continue;
+            };
+            if !open.remove(&[a.min(b), a.max(b)]) {
+                self.contradict(&format!("{name}: not to be judged, or listed twice"));
+            }
+            self.pair(&name, [a, b], pair, certificate, least);
+        }
+        for [a, b] in open {
+            let [part_a, part_b] = [a, b].map(|part| &self.bodies.parts[part]);
+            let name = format!("{} {} - {} {}", part_a.body, part_a.index, part_b.body, part_b.index);
+            self.tally.free += 1;
+            self.covers(&name, [a, b], &[], &certificate.sweeps);
+            self.free_samples(&name, [a, b], true, least);
+        }
+    }
+
+    /// At its middle, at its ends and between, all of a solid is in its sweep.
+    fn sweeps(&mut self, sweeps: &[Sweep]) {
+        self.tally.sweeps += sweeps.len() as u64;
+        for sweep in sweeps {
+            let Some(part) = self.bodies.part(&sweep.body, sweep.part) else {
+                self.contradict(&format!("there is no {} {}", sweep.body, sweep.part));
+                continue;
+            };
+            for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                let moment = self.bodies.at(sweep.start + share * (sweep.end - sweep.start));
+                let [min, max] = self.bodies.placed(part, &moment).bounds();
+                let outside = |axis: usize| {
+                    min[axis] < sweep.min[axis] - ROUNDING || max[axis] > sweep.max[axis] + ROUNDING
+                };
+                if (0..3).any(outside) {
+                    self.contradict(&format!("{min:?} to {max:?} is not in {sweep:?}"));
                 }
             }
-        }
-        let given = pairs.iter().map(|pair| {
-            let mut ends = [(pair.a.as_str(), pair.part_a), (pair.b.as_str(), pair.part_b)];
-            ends.sort_unstable();
-            ends
-        });
-        let given: BTreeSet<[(&str, usize); 2]> = given.collect();
-        if given != expected || given.len() != pairs.len() {
-            let missing: Vec<_> =
-                expected.symmetric_difference(&given).map(|pair| format!("{pair:?}")).collect();
-            self.contradict(&format!("{} pairs, not {}: {missing:?}", pairs.len(), expected.len()));
         }
     }
 
@@ -204,22 +236,23 @@ impl<'c> Judge<'c> {
         known
     }
 
-    fn pair(&mut self, pair: &PairCertificate, least: Option<&MarginBounds>) {
-        let name = format!("{} {} - {} {}", pair.a, pair.part_a, pair.b, pair.part_b);
-        let (Some(a), Some(b)) =
-            (self.bodies.part(&pair.a, pair.part_a), self.bodies.part(&pair.b, pair.part_b))
-        else {
-            return self.contradict(&format!("{name}: there is no such pair"));
-        };
+    fn pair(
+        &mut self,
+        name: &str,
+        [a, b]: [usize; 2],
+        pair: &PairCertificate,
+        certificate: &Certificate,
+        least: Option<&MarginBounds>,
+    ) {
         let required = self.required(&pair.a, &pair.b);
         for leaf in &pair.leaves {
-            self.leaf(&name, [a, b], leaf, required);
+            self.leaf(name, [a, b], leaf, required);
         }
         self.tally.leaves += pair.leaves.len() as u64;
         match &pair.verdict {
             PairVerdict::Free { margin } => {
                 self.tally.free += 1;
-                self.covers(&name, &pair.leaves);
+                self.covers(name, [a, b], &pair.leaves, &certificate.sweeps);
                 let leaf = pair
                     .leaves
                     .iter()
@@ -233,7 +266,7 @@ impl<'c> Judge<'c> {
             }
             PairVerdict::Violated(violation) => {
                 self.tally.violated += 1;
-                self.violation(&name, [a, b], violation, required);
+                self.violation(name, [a, b], violation, required);
             }
             PairVerdict::Unknown(doubt) => {
                 self.tally.unknown += 1;
@@ -247,25 +280,51 @@ impl<'c> Judge<'c> {
             }
             PairVerdict::NotChecked { .. } => self.tally.not_checked += 1,
         }
-        // Margins of single pairs are held against the leaves' instants already.
-        let free = matches!(pair.verdict, PairVerdict::Free { .. }).then_some(required);
+        self.free_samples(name, [a, b], matches!(pair.verdict, PairVerdict::Free { .. }), least);
+    }
+
+    /// No sample is nearer than a pair that is free may be, or than the least margin allows. Margins of single pairs are
+    /// held against the leaves' instants.
+    fn free_samples(&mut self, name: &str, [a, b]: [usize; 2], is_free: bool, least: Option<&MarginBounds>) {
+        let required = self.required(&self.bodies.parts[a].body, &self.bodies.parts[b].body);
+        let free = is_free.then_some(required);
         let least = least.filter(|_| self.counts(a, b)).map(|least| required + least.lower);
         if let Some(claimed) = free.into_iter().chain(least).reduce(f64::max) {
             let what = if free == Some(claimed) { "it is free" } else { "the least margin is known" };
-            self.samples(&name, [a, b], claimed, what);
+            self.samples(name, [a, b], claimed, what);
         }
     }
 
-    /// The leaves of a free pair leave no instant out.
-    fn covers(&mut self, name: &str, leaves: &[Leaf]) {
-        let mut reached = 0.0;
+    /// The leaves of a free pair, and the sweeps of one that are far enough from the other, leave no instant out.
+    fn covers(&mut self, name: &str, [a, b]: [usize; 2], leaves: &[Leaf], sweeps: &[Sweep]) {
+        let mut proved: Vec<[f64; 2]> = leaves.iter().map(|leaf| [leaf.start, leaf.end]).collect();
+        let required = self.required(&self.bodies.parts[a].body, &self.bodies.parts[b].body);
+        for [swept, standing] in [[a, b], [b, a]] {
+            let Part { body, index, .. } = &self.bodies.parts[swept];
+            let of_the_cell =
+                self.case.cell.bodies.iter().any(|body| body.name == self.bodies.parts[standing].body);
+            if !of_the_cell {
+                continue;
+            }
+            let [min, max] = self.bodies.placed(standing, &self.bodies.at(0.0)).bounds();
+            for sweep in sweeps.iter().filter(|sweep| sweep.body == *body && sweep.part == *index) {
+                let apart = Vector3::from_fn(|axis, _| {
+                    (min[axis] - sweep.max[axis]).max(sweep.min[axis] - max[axis]).max(0.0)
+                });
+                if apart.norm() >= required.max(0.0) + ROUNDING {
+                    proved.push([sweep.start, sweep.end]);
+                }
+            }
+        }
+        proved.sort_by(|x, y| x[0].total_cmp(&y[0]));
+        let mut reached = 0.0_f64;
         let mut without_gap = true;
-        for leaf in leaves {
-            without_gap &= leaf.start <= reached && leaf.end > leaf.start;
-            reached = leaf.end;
+        for [start, end] in proved {
+            without_gap &= start <= reached && end > start;
+            reached = reached.max(end);
         }
         if !without_gap || reached < self.duration {
-            self.contradict(&format!("{name}: free, but the leaves do not cover the motion"));
+            self.contradict(&format!("{name}: free, but leaves and sweeps do not cover the motion"));
         }
     }
 
@@ -299,20 +358,30 @@ impl<'c> Judge<'c> {
         let rates: Vec<f64> = self.speeds.iter().map(|speeds| bodies.approach(a, b, speeds)).collect();
         let last = self.moments.len() - 1;
         let mut sample = 0;
+        let (mut normal, mut room) = (Vector3::z(), f64::INFINITY);
         loop {
             let moment = self.moments[sample].take().unwrap_or_else(|| bodies.at(sample as f64 / RATE));
-            let known = self.distance_above(a, b, &moment, claimed);
-            self.moments[sample] = Some(moment);
             self.tally.looked_at += 1;
-            if known.upper < claimed - ROUNDING {
-                let t = sample as f64 / RATE;
-                return self.contradict(&format!(
-                    "{name}: {} m at sample {t} s, but {what}: {claimed} m",
-                    known.upper
-                ));
+            // The slab of the sample before often shows enough.
+            let by_slab = slab(&bodies.placed(a, &moment), &bodies.placed(b, &moment), &normal) - claimed;
+            let mut left = by_slab;
+            if by_slab <= ENOUGH * room {
+                let known = self.distance_above(a, b, &moment, claimed);
+                if known.upper < claimed - ROUNDING {
+                    let t = sample as f64 / RATE;
+                    self.contradict(&format!(
+                        "{name}: {} m at sample {t} s, but {what}: {claimed} m",
+                        known.upper
+                    ));
+                    return;
+                }
+                left = known.lower - claimed;
+                room = left.max(0.0);
+                let [on_a, on_b] = known.core_points;
+                normal = (on_b - on_a).try_normalize(0.0).unwrap_or(normal);
             }
+            self.moments[sample] = Some(moment);
             // As far as what is left of the distance lasts at the largest speed of every window on the way.
-            let mut left = known.lower - claimed;
             let mut farther = sample;
             while left > 0.0 && farther < last {
                 let window = farther / WINDOW;
@@ -370,7 +439,7 @@ impl<'c> Judge<'c> {
     }
 
     /// The bracket is one, and agrees with the certificate.
-    fn least(&mut self, pairs: &[PairCertificate], least: Option<&MarginBounds>) {
+    fn least(&mut self, certificate: &Certificate, least: Option<&MarginBounds>) {
         let Some(least) = least else {
             if self.tally.not_checked == 0 {
                 self.contradict("all pairs were checked, but there is no least margin");
@@ -395,17 +464,18 @@ impl<'c> Judge<'c> {
         {
             self.contradict(&format!("the least margin is {there} m there, but {least:?}"));
         }
-        if least.upper - least.lower <= TOLERANCE {
+        if least.upper - least.lower <= TOLERANCE + ROUNDING {
             self.tally.bracketed += 1;
         } else {
             self.tally.loose += 1;
-            // Only the depth of an overlap may stay open.
-            if least.upper + least.required > WITNESS {
+            // Where nothing is violated nothing overlaps, and only the depth of an overlap may stay open.
+            if certificate.is_free() {
                 self.contradict(&format!("the least margin was not found: {least:?}"));
             }
         }
-        let mut free = f64::INFINITY;
-        for pair in pairs {
+        // Sweeps show no more than what is required.
+        let mut free = if certificate.sweeps.is_empty() { f64::INFINITY } else { 0.0 };
+        for pair in &certificate.pairs {
             let [a, b] = [(&pair.a, pair.part_a), (&pair.b, pair.part_b)]
                 .map(|(body, index)| self.bodies.part(body, index));
             let (Some(a), Some(b)) = (a, b) else { continue };

@@ -12,6 +12,7 @@ pub mod fixtures;
 
 pub mod arms;
 pub mod distance;
+pub mod forces;
 pub mod judge;
 pub mod motion;
 pub mod random;

@@ -13,7 +13,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::{
     arms::{self, Arm},
-    distance::distance,
+    distance::{distance, distance_above},
     fixtures::{self, Draw},
     motion::{Bodies, Carrier, Moment},
     solid::{Placed, Solid},
@@ -83,17 +83,19 @@ impl Case {
     /// Obstacles beside solids of the arm where they are at random times.
     fn random_cell(&self, arm: Arm, draw: &mut Draw) -> Cell {
         let scale = arm.scale();
-        let count = 3 + draw.between(0.0, 4.0) as usize;
+        // Now and then so many, and farther off, that sweeps are worth their while.
+        let is_full = happens(draw, FULL_CELLS);
+        let (count, farthest) = if is_full { (30, 0.4) } else { (3 + draw.between(0.0, 4.0) as usize, 0.12) };
         let bodies = self.bodies();
         let glimpses = Glimpses::of(&bodies);
         let mut cell = fixtures::cell(0.0, Vec::new());
         for index in 0..count {
-            let mut obstacle = random_obstacle(&bodies, scale, draw);
+            let mut obstacle = random_obstacle(&bodies, scale, farthest, draw);
             for _ in 0..TRIES {
-                if happens(draw, AS_IT_COMES) || glimpses.least(&obstacle, |_| true) > 0.0 {
+                if happens(draw, AS_IT_COMES) || glimpses.is_clear_of(&obstacle) {
                     break;
                 }
-                obstacle = random_obstacle(&bodies, scale, draw);
+                obstacle = random_obstacle(&bodies, scale, farthest, draw);
             }
             obstacle.name = format!("obstacle_{index}");
             cell.bodies.push(obstacle);
@@ -120,6 +122,8 @@ impl Case {
 
 /// How often a scene or an obstacle is drawn again because it collides.
 const TRIES: usize = 12;
+/// The share of cells with thirty obstacles.
+const FULL_CELLS: f64 = 0.06;
 /// The share of those that are taken as they come.
 const AS_IT_COMES: f64 = 0.04;
 
@@ -152,6 +156,16 @@ impl<'b> Glimpses<'b> {
         distances.fold(f64::INFINITY, f64::min)
     }
 
+    /// Whether no solid of the arm was seen to touch an obstacle.
+    fn is_clear_of(&self, obstacle: &CellBody) -> bool {
+        let solid = Solid::of(&obstacle.shape);
+        let obstacle = Placed::new(&solid, &obstacle.world_from_shape);
+        self.moments.iter().all(|moment| {
+            let mut parts = 0..self.bodies.parts.len();
+            parts.all(|part| are_apart(&self.bodies.placed(part, moment), &obstacle))
+        })
+    }
+
     /// Whether links that may not touch were apart.
     fn robot_is_clear(&self, case: &Case) -> bool {
         let parts = &self.bodies.parts;
@@ -161,15 +175,20 @@ impl<'b> Glimpses<'b> {
                 part_a.carrier == part_b.carrier
                     || case.may_touch(&part_a.body, &part_b.body)
                     || self.moments.iter().all(|moment| {
-                        distance(&self.bodies.placed(a, moment), &self.bodies.placed(b, moment)).upper > 0.0
+                        are_apart(&self.bodies.placed(a, moment), &self.bodies.placed(b, moment))
                     })
             })
         })
     }
 }
 
+fn are_apart(a: &Placed, b: &Placed) -> bool {
+    let between = (a.origin - b.origin).norm() - a.solid.reach() - b.solid.reach();
+    between > 0.0 || distance_above(a, b, 0.0).lower > 0.0
+}
+
 /// An obstacle without a name beside a solid of the arm.
-fn random_obstacle(bodies: &Bodies, scale: f64, draw: &mut Draw) -> CellBody {
+fn random_obstacle(bodies: &Bodies, scale: f64, farthest: f64, draw: &mut Draw) -> CellBody {
     let moving: Vec<usize> =
         (0..bodies.parts.len()).filter(|part| bodies.parts[*part].carrier != Carrier::World).collect();
     let near = moving[draw.between(0.0, moving.len() as f64) as usize];
@@ -179,7 +198,7 @@ fn random_obstacle(bodies: &Bodies, scale: f64, draw: &mut Draw) -> CellBody {
     let shape = arms::solid(draw, 0.01 * scale, 0.09 * scale);
     // From the middle of the solid outwards: some overlap, some touch, most are beside.
     let surface = solid.support(&towards) - solid.origin;
-    let beside = draw.between(-0.02, 0.12) * scale;
+    let beside = draw.between(-0.02, farthest) * scale;
     let center = solid.origin + surface + towards * (beside + extent(&shape));
     let turn = if happens(draw, 0.4) {
         UnitQuaternion::from_euler_angles(0.0, 0.0, draw.between(-3.0, 3.0))

@@ -116,10 +116,26 @@ impl<'s> Placed<'s> {
                 Vector3::new(share * d.x, share * d.y, half * sign(d.z))
             }
             Core::Hull(points, _) => {
-                *points.iter().max_by(|p, q| p.dot(&d).total_cmp(&q.dot(&d))).expect("a hull has corners")
+                let mut farthest = (f64::NEG_INFINITY, Vector3::zeros());
+                for point in points {
+                    let along = point.dot(&d);
+                    if along > farthest.0 {
+                        farthest = (along, *point);
+                    }
+                }
+                farthest.1
             }
         };
         self.origin + self.turn * local
+    }
+
+    /// The least and the largest coordinates of the solid in the world.
+    pub fn bounds(&self) -> [Vector3<f64>; 2] {
+        let reach = |axis: usize, sign: f64| {
+            let direction = Vector3::from_fn(|row, _| if row == axis { sign } else { 0.0 });
+            self.support(&direction)[axis] + sign * self.solid.radius
+        };
+        [-1.0, 1.0].map(|sign| Vector3::from_fn(|axis, _| reach(axis, sign)))
     }
 
     /// [`Solid::depth`] of a point of the world.
