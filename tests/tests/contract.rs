@@ -11,7 +11,9 @@ use std::{path::Path, thread};
 use graspcheck::{Run, Silent, load, run_scenario};
 use graspcheck_proof::Scene;
 use graspcheck_recording::{JointSeries, PoseSeries, Recording, from_bytes, to_bytes};
-use graspcheck_verify::{CERTIFICATE_JSON, Evidence, Expectation, Outcome, PLAN_JSON, RESOLVED_JSON, Verdict, judge};
+use graspcheck_verify::{
+    CERTIFICATE_JSON, Evidence, Expectation, Outcome, PLAN_JSON, RESOLVED_JSON, Verdict, judge,
+};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
 /// One scenario of each arm, and one that must fail.
@@ -128,6 +130,9 @@ fn a_plan_that_was_edited_is_not_the_one_that_was_proved_and_executed() {
     assert!(verdict.failed().any(|result| result.check == "planned.certificate"));
 }
 
+/// What is said of an edited stream, and how it is edited.
+type Edit = (&'static str, fn(&mut Recording));
+
 /// A channel of the execution, how a log loses it, and the checks that read it.
 type Loss = (&'static str, fn(&mut Recording), &'static [&'static str]);
 
@@ -187,7 +192,7 @@ fn a_log_that_lost_a_channel_is_undecided_wherever_that_channel_is_read() {
 fn a_stream_that_was_edited_contradicts_another() {
     let recording = run(SCENARIOS[0]).recording;
     assert!(!failed(&reviewed(&recording)).contains(&"executed.consistency"));
-    let edits: [(&str, fn(&mut Recording)); 9] = [
+    let edits: [Edit; 9] = [
         ("a peak torque is lowered", |log| {
             for effort in &mut log.reference.effort {
                 *effort = effort.clamp(-40.0, 40.0);

@@ -1,10 +1,6 @@
 //! How far the plant of the two robots is from the exact equations, with the robots' own friction.
 
-#![expect(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "helpers of tests: what cannot be read fails the test"
-)]
+#![expect(clippy::panic, reason = "helpers of tests: what cannot be read fails the test")]
 
 use std::path::Path;
 

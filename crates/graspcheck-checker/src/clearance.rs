@@ -214,7 +214,8 @@ impl<'d> Check<'d> {
             let ([start, end], [other_start, other_end]) = (x.interval(), y.interval());
             start.total_cmp(&other_start).then(end.total_cmp(&other_end))
         });
-        for group in steps.chunk_by(|x, y| x.interval() == y.interval()) {
+        let bits = |step: &Step| step.interval().map(f64::to_bits);
+        for group in steps.chunk_by(|x, y| bits(x) == bits(y)) {
             let interval = group[0].interval();
             let plan = &self.documents.plan;
             let (phase, within) = plan.phase(interval);

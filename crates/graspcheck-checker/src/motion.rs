@@ -302,11 +302,11 @@ impl<'d> Motion<'d> {
         let carrier = self.solids[solid].carrier;
         let mut along = self.slide_of(carrier).map_or(0.0, |axis| self.finger.along(n.dot(axis)));
         let turns = &self.turns[solid * self.joints.len()..];
-        for i in common..self.scene.joints_of(carrier) {
-            let JointState { kind, span, axis, .. } = &self.joints[i];
+        let joints = self.joints[..self.scene.joints_of(carrier)].iter().zip(turns);
+        for (JointState { kind, span, axis, .. }, turn) in joints.skip(common) {
             along += match kind {
                 JointKind::Prismatic => span.along(n.dot(*axis)),
-                JointKind::Revolute if turns[i].chord > 0.0 => turns[i].chord * n.cross(*axis).length(),
+                JointKind::Revolute if turn.chord > 0.0 => turn.chord * n.cross(*axis).length(),
                 JointKind::Revolute => 0.0,
             };
         }
@@ -326,8 +326,8 @@ impl<'d> Motion<'d> {
             above: self.finger.above,
         }));
         let mut second = 0.0;
-        for i in common..count {
-            let JointState { kind, span, farthest, sines, bend, axis, world_from_link, .. } = &self.joints[i];
+        for (i, (joint, turn)) in self.joints[..count].iter().zip(turns).enumerate().skip(common) {
+            let JointState { kind, span, farthest, sines, bend, axis, world_from_link, .. } = joint;
             if *farthest <= 0.0 {
                 continue;
             }
@@ -341,13 +341,13 @@ impl<'d> Motion<'d> {
                 JointKind::Revolute => {
                     let w = n.cross(*axis);
                     let length = w.length();
-                    let mut moved = length * turns[i].outer_chords;
+                    let mut moved = length * turn.outer_chords;
                     for outer in self.joints[i + 1..count].iter().filter(|it| it.kind == JointKind::Prismatic)
                     {
                         moved += w.dot(outer.axis).abs() * outer.farthest;
                     }
                     moved += slide.map_or(0.0, |axis| w.dot(axis).abs() * self.finger.farthest());
-                    second += sines[0].max(sines[1]) * moved + bend * length * turns[i].radius;
+                    second += sines[0].max(sines[1]) * moved + bend * length * turn.radius;
                     Slope {
                         at_origin: w.dot(world_from_solid.origin - world_from_link.origin),
                         gradient: world_from_solid.vector_back(w),

@@ -98,7 +98,8 @@ impl Range {
     /// The range of what stops at `least`.
     pub(crate) fn stopped_at(self, least: f64) -> Self {
         let reference = self.reference.max(least);
-        let [low, high] = [self.reference - self.below, self.reference + self.above].map(|end| end.max(least));
+        let [low, high] =
+            [self.reference - self.below, self.reference + self.above].map(|end| end.max(least));
         Self { reference, below: reference - low, above: high - reference }
     }
 }

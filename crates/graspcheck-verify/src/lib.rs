@@ -40,8 +40,8 @@ mod finding;
 #[cfg(test)]
 mod fixture;
 mod judge;
-pub mod metrics;
 mod logged;
+pub mod metrics;
 pub mod note;
 pub mod resolved;
 mod stream;

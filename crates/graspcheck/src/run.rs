@@ -147,7 +147,9 @@ pub fn run_scenario(scenario: &Scenario, observer: &mut dyn Observer) -> Result<
                     recording
                 }
                 // What is refuted may be beyond what physics can execute; the verdict says both.
-                Err(reason) if certificate.outcome() == ProofOutcome::Violated && is_of_the_motion(&reason) => {
+                Err(reason)
+                    if certificate.outcome() == ProofOutcome::Violated && is_of_the_motion(&reason) =>
+                {
                     not_executed(&plan, &reason)
                 }
                 Err(error) => return Err(error.into()),

@@ -136,7 +136,7 @@ pub(crate) const OF_THE_PICK: &[Tampering] = &[
         RESOLVED,
         |r| {
             list(&mut r["robot"], "allowed_contacts")
-                .push(json!({"a": "hand", "b": "base", "reason": "never"}))
+                .push(json!({"a": "hand", "b": "base", "reason": "never"}));
         },
         Quantity::Occurrences,
         "base[0] - hand[0] …",

@@ -54,8 +54,7 @@ struct Faults {
 impl Faults {
     /// Two numbers, or the ends of a difference, may be no farther apart than `allowed`.
     fn hold(&mut self, time: f64, stream: &'static str, what: &str, apart: f64, allowed: f64, unit: Unit) {
-        // Written so that a NaN is a fault.
-        if !(apart <= allowed) {
+        if exceeds(apart, allowed) {
             let note = Note::from(format!("stream {stream}: {what} differs by ")).quantity(apart, unit);
             self.add(time, stream, note);
         }
@@ -179,7 +178,8 @@ impl<'e, 'r> Streams<'e, 'r> {
             let unit = Unit::of_derivative(model.kind, 0);
             faults.hold(time, "measured", &format!("start of {}", model.name), off.abs(), SAME, unit);
         }
-        let is_moved = imperfections.object_offset != [0.0; 3] || imperfections.object_yaw != 0.0;
+        let moved = imperfections.object_offset.iter().chain([&imperfections.object_yaw]);
+        let is_moved = moved.into_iter().any(|by| *by != 0.0);
         if let (Some(declared), Some(first), false) =
             (&self.evidence.resolved.object, self.object.first(), is_moved)
         {
@@ -472,19 +472,24 @@ impl Column<'_> {
         let mean = |step: usize| (positions[step + 1] - positions[step]) / (times[step + 1] - times[step]);
         for step in 0..positions.len().saturating_sub(1) {
             let off = outside(mean(step), [velocities[step], velocities[step + 1]]);
-            if !(off <= self.allowed[step + 1]) {
+            if exceeds(off, self.allowed[step + 1]) {
                 let what = format!("position of {}, as a speed,", self.name);
                 faults.hold(times[step + 1], self.stream, &what, off, self.allowed[step + 1], self.unit);
             }
             if step > 0 {
                 let off = outside(velocities[step], [mean(step - 1), mean(step)]);
-                if !(off <= self.allowed[step]) {
+                if exceeds(off, self.allowed[step]) {
                     let what = format!("velocity of {}", self.name);
                     faults.hold(times[step], self.stream, &what, off, self.allowed[step], self.unit);
                 }
             }
         }
     }
+}
+
+/// Whether something is farther apart than allowed. A NaN is a fault.
+fn exceeds(apart: f64, allowed: f64) -> bool {
+    apart > allowed || apart.is_nan()
 }
 
 /// How far a number lies outside the range of two others; 0 inside.
