@@ -87,9 +87,9 @@ fn bounds(criterion: &mut Criterion) {
     let pieces =
         [1.0, -0.8, -0.1, 2.0].map(|end| Polynomial::quintic_hermite([0.0; 3], [end, 0.0, 0.0], 1.0));
     let motion = Trajectory::new(4, vec![0.0, 1.0], pieces.to_vec()).expect("one interval of four joints");
-    let mut room = TorqueBounds::new(&scara);
+    let mut room = TorqueBounds::new(&scara, &motion);
     criterion.bench_function("scara_torque_bounds_over_a_stretch", |bencher| {
-        bencher.iter(|| room.over(&motion, black_box(0.4), black_box(0.42))[0]);
+        bencher.iter(|| room.over(black_box(0.4), black_box(0.42))[0]);
     });
     let six = arms::six();
     let inverse = NumericalInverse::new(&six).expect("finite limits");

@@ -20,7 +20,7 @@
 //! ```
 
 use graspcheck_motion::Scalar;
-use nalgebra::{Matrix6xX, Vector6};
+use nalgebra::{Matrix6xX, Vector3, Vector6};
 
 use crate::{
     hinge::Hinge,
@@ -60,6 +60,16 @@ impl SerialChain {
     #[must_use]
     pub fn dof(&self) -> usize {
         self.hinges.len()
+    }
+
+    /// The joints, from base to tool.
+    pub(crate) fn hinges(&self) -> &[Hinge] {
+        &self.hinges
+    }
+
+    /// The tool's origin in the frame of the last link, m.
+    pub(crate) fn tool_in_last_link(&self) -> Vector3<f64> {
+        self.link_from_tool.origin.to_vector3()
     }
 
     /// Frames of all moving links in the world at joint positions `q` (rad or m), from base to tool, into a slice

@@ -11,7 +11,7 @@
 //! The recursion is written once for every [`Scalar`]. With floats it gives the torques of an instant; with
 //! [`Interval`](graspcheck_motion::Interval) bounds on the torques of every state in a box, rounding included;
 //! with [`Dual`](graspcheck_motion::Dual) numbers their rates as well. [`TorqueBounds`](crate::torque_bounds)
-//! puts these together for a stretch of time.
+//! bounds them over a stretch of time.
 //!
 //! ```
 //! use graspcheck_model::{dynamics::{Dynamics, Workspace}, example};
@@ -87,14 +87,16 @@ impl<S: Scalar> Workspace<S> {
 
 /// A link and the joint that moves it.
 #[derive(Clone, Debug)]
-struct Body {
-    hinge: Hinge,
-    mass: f64,
-    center: Vector3<f64>,
-    tensor: Matrix3<f64>,
-    rotor_inertia: f64,
-    damping: f64,
-    friction: f64,
+pub(crate) struct Body {
+    pub(crate) hinge: Hinge,
+    pub(crate) mass: f64,
+    /// In the link's frame, m.
+    pub(crate) center: Vector3<f64>,
+    /// About the centre, kg·m².
+    pub(crate) tensor: Matrix3<f64>,
+    pub(crate) rotor_inertia: f64,
+    pub(crate) damping: f64,
+    pub(crate) friction: f64,
 }
 
 /// Motion of and force on one link, in its own frame.
@@ -140,6 +142,16 @@ impl Dynamics {
     #[must_use]
     pub fn dof(&self) -> usize {
         self.bodies.len()
+    }
+
+    /// The links with their joints, from base to tool.
+    pub(crate) fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
+    /// Minus gravity, in the base frame, m/s².
+    pub(crate) fn upward(&self) -> Vector3<f64> {
+        self.upward
     }
 
     /// From now on the gripper stands at `opening` (m, between the pads) and the last link carries `load`,

@@ -19,7 +19,7 @@ pub(crate) struct Hinge {
     /// The axis in the joint's frame.
     pub(crate) axis: Vector3<f64>,
     /// Rotation of the joint's frame at position 0 into the parent's: R₀.
-    parent_from_joint: Matrix3<f64>,
+    pub(crate) parent_from_joint: Matrix3<f64>,
     /// R₀ K.
     with_sin: Matrix3<f64>,
     /// R₀ K².

@@ -18,8 +18,9 @@
 //! Each number has two ways to it. Poses come from quaternions ([`kinematics`]), from closed forms ([`structure`]) and
 //! from a product of matrices for any arm ([`chain`]). Joint positions come from closed forms with all branches
 //! ([`inverse`]; [`reach`] says why there are none) and from a search for any arm ([`numerical`]). [`singularity`] has a
-//! formula and singular values. Torques at an instant ([`dynamics`]) and over a stretch of time ([`torque_bounds`]) are
-//! one recursion over different numbers ([`spatial`]).
+//! formula and singular values. Torques at an instant ([`dynamics`]) are one recursion
+//! over different numbers ([`spatial`]); [`torque_bounds`] and [`tool_bounds`] bound what a motion takes and how fast its
+//! tool is over a stretch of time.
 
 pub mod assemble;
 pub mod cell;
@@ -33,7 +34,9 @@ mod gripper;
 mod hinge;
 pub mod inertia;
 pub mod inverse;
+pub mod jacobian_bounds;
 pub mod kinematics;
+mod majorant;
 pub mod numerical;
 pub mod object;
 pub mod plan;
@@ -46,6 +49,7 @@ pub mod singularity;
 pub mod spatial;
 pub mod structure;
 pub mod task;
+pub mod tool_bounds;
 pub mod tool_path;
 pub mod torque_bounds;
 pub mod urdf;

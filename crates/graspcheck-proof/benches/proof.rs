@@ -13,6 +13,7 @@ use graspcheck_proof::{
 use nalgebra::Vector3;
 
 #[path = "../src/fixtures.rs"]
+#[expect(dead_code, reason = "the tests need more robots than this bench")]
 mod fixtures;
 
 type Obstacle = (String, Shape, Pose);

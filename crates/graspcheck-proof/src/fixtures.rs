@@ -106,6 +106,34 @@ pub(crate) fn scara() -> RobotModel {
     )
 }
 
+/// An arm of six revolute joints with a shoulder, an elbow and a wrist whose axes are a few degrees off square, so
+/// that no two are parallel.
+pub(crate) fn six_axes() -> RobotModel {
+    let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+    let axes = [z, y + z * 0.03, y - x * 0.02, x + z * 0.04, y + x * 0.03, x - y * 0.02];
+    let origins = [
+        at(0.0, 0.0, 0.3),
+        at(0.05, 0.0, 0.1),
+        at(0.0, 0.02, 0.4),
+        at(0.1, 0.0, 0.05),
+        at(0.3, 0.0, 0.0),
+        at(0.08, 0.0, 0.01),
+    ];
+    let names = ["waist", "shoulder", "elbow", "roll", "bend", "twist"];
+    let links = ["column", "upper_arm", "forearm", "wrist", "cuff", "hand"];
+    let joints = names.into_iter().zip(origins).zip(axes);
+    let joints =
+        joints.map(|((name, origin), axis)| joint(name, JointKind::Revolute, origin, axis)).collect();
+    let mut robot = robot(joints, links.into_iter().map(|name| link(name, vec![])).collect());
+    for (k, link) in robot.links.iter_mut().enumerate() {
+        let mass = 8.0 / (k + 1) as f64;
+        link.inertial.mass = mass;
+        link.inertial.center = [0.08, 0.01, 0.05].into();
+        link.inertial.tensor = Matrix3::from_diagonal(&Vector3::new(0.01, 0.012, 0.008)) * mass;
+    }
+    robot
+}
+
 pub(crate) fn cell(required: f64, bodies: Vec<(&str, Shape, Pose)>) -> Cell {
     let body = |(name, shape, world_from_shape): (&str, Shape, Pose)| CellBody {
         name: name.to_owned(),

@@ -11,7 +11,8 @@
 //! Clearance is positive apart, zero touching, negative overlapping, in m.
 //!
 //! Reading order: [`solid`], [`gap`], `chain`, [`scene`], [`contact`], `stretch`, `displacement`,
-//! `bounds`, `tree`, [`certify`], [`certificate`], [`minimum`], [`torque`], [`sample`], [`hull`].
+//! `bounds`, `tree`, [`certify`], [`certificate`], [`minimum`], `peak`, [`torque`], [`tool_speed`], [`singular`], [`sample`],
+//! [`hull`].
 
 mod bounds;
 mod carried;
@@ -31,11 +32,15 @@ mod hermite;
 pub mod hull;
 pub mod logged_motion;
 pub mod minimum;
+mod peak;
 mod range_tree;
 pub mod sample;
 pub mod scene;
+pub mod singular;
+pub mod slower;
 pub mod solid;
 mod stretch;
+pub mod tool_speed;
 pub mod torque;
 pub mod tracking_tube;
 mod tree;
@@ -51,5 +56,7 @@ pub use logged_motion::{BodyState, JointLog, LoggedMotion, MotionLog, MotionLogE
 pub use minimum::MarginBounds;
 pub use sample::Sampler;
 pub use scene::Scene;
-pub use torque::{TorquePeak, torque_peaks};
+pub use singular::{Measure, NearestSingular, elbow_changes_side, nearest_singular};
+pub use tool_speed::{ToolPeak, keeps_tool_limits, tool_peaks};
+pub use torque::{TORQUE_TOLERANCE, TorqueLimits, TorquePeak, keep_torque_limits, torque_peaks};
 pub use tracking_tube::TrackingTube;

@@ -2,12 +2,10 @@
 //!
 //! What a joint's motor must bring is `tau = M(q) qdd + V(q, qd) + G(q)` with the load that the phase holds, and
 //! friction with the sign of the velocity. On a stretch of time the model bounds it from both sides
-//! ([`TorqueBounds`]), and the stretch with the largest bound is halved until the largest torque is known to a
-//! tolerance (branch and bound): no instant takes more than the upper bound, and one takes the lower.
+//! ([`TorqueBounds`]), and stretches are halved (`peak`). [`keep_torque_limits`] proves that every joint keeps its
+//! limit; [`torque_peaks`] brings bounds on the largest torques together.
 //!
 //! Where a joint turns back its friction can have either sign, and both count.
-
-use std::{cmp::Ordering, collections::BinaryHeap};
 
 use graspcheck_model::{
     dynamics::Dynamics,
@@ -17,10 +15,13 @@ use graspcheck_model::{
     robot::RobotModel,
     torque_bounds::TorqueBounds,
 };
-use graspcheck_motion::{Interval, MotionBounds};
+use graspcheck_motion::Trajectory;
 use nalgebra::Vector3;
 
-use crate::stretch::{middle, stretches};
+use crate::{
+    peak::{Bound, Bounded, Course, FoundPeak, Kept, MOST_STEPS, find_peaks, keep_limits},
+    stretch::{cuts, middle},
+};
 
 /// How near the bounds of a largest torque are brought to each other when nothing else is asked for, as a share
 /// of the joint's effort limit.
@@ -28,10 +29,6 @@ pub const TORQUE_TOLERANCE: f64 = 0.005;
 
 /// Fingers whose masses differ by less than this share have the same mass.
 const SAME_MASS: f64 = 1e-9;
-
-/// A stretch shorter than this, s, is halved no more: at its ends a torque without friction differs by far less
-/// than any tolerance.
-const SHORTEST_STRETCH: f64 = 1e-6;
 
 /// A stretch shorter than this, s, is not halved only to find out when a joint turns back in it, or whether it
 /// stands still throughout: the sign of its friction would change all the same.
@@ -50,39 +47,32 @@ pub struct TorquePeak {
     pub time: f64,
     /// Name of the phase.
     pub phase: String,
+    /// Whether the bounds are as near to each other as was asked for; if not, the search gave up.
+    pub is_settled: bool,
 }
 
-/// A stretch with bounds of every joint's torque, ordered so that the least settled one is taken first.
-struct Node {
-    start: f64,
-    end: f64,
-    phase: usize,
-    /// How far the largest upper bound exceeds what some instant is known to take, as a share of the limit.
-    excess: f64,
-    magnitudes: Vec<f64>,
-    /// What of the magnitudes a shorter stretch would not reduce.
-    undecided: Vec<f64>,
+/// Whether a plan keeps the effort limits of the joints.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TorqueLimits {
+    /// At every instant.
+    Kept,
+    /// A joint takes more.
+    Exceeded {
+        /// Index of the joint.
+        joint: usize,
+        /// When, s.
+        time: f64,
+        /// At least so much, N·m or N.
+        torque: f64,
+    },
+    /// A joint comes too near to its limit to tell.
+    Unknown {
+        /// Index of the joint.
+        joint: usize,
+        /// When, s.
+        time: f64,
+    },
 }
-
-impl Ord for Node {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.excess.total_cmp(&other.excess).then_with(|| other.start.total_cmp(&self.start))
-    }
-}
-
-impl PartialOrd for Node {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Node {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Node {}
 
 /// The largest torque of every joint over a plan, between bounds that differ by at most `tolerance` of the
 /// joint's effort limit, and by its dry friction where that is undecided.
@@ -99,74 +89,127 @@ pub fn torque_peaks(
     plan: &Plan,
     tolerance: f64,
 ) -> Result<Vec<TorquePeak>, String> {
-    let stretches = stretches(plan, robot.dof())?;
-    let [left, right] = [0, 1].map(|finger| robot.gripper.fingers[finger].link.inertial.mass);
-    if (left - right).abs() > SAME_MASS * left.max(right) {
-        return Err(format!("fingers of {left} kg and {right} kg: torques are proved for equal ones"));
-    }
-    let limits: Vec<f64> = robot.joints.iter().map(|joint| joint.limits.effort).collect();
-    let arms = plan.phases.iter().enumerate().map(|(phase, _)| arms_of(robot, gravity, object, plan, phase));
-    let arms: Vec<Vec<Dynamics>> = arms.collect();
-    let mut bounds: Vec<Vec<TorqueBounds<'_>>> =
-        arms.iter().map(|arms| arms.iter().map(TorqueBounds::new).collect()).collect();
-    let mut motion = MotionBounds::zeros(robot.dof());
-    let mut friction = vec![Interval::ZERO; robot.dof()];
-    let mut peaks: Vec<TorquePeak> = (0..robot.dof())
-        .map(|joint| TorquePeak { joint, lower: 0.0, upper: 0.0, time: 0.0, phase: String::new() })
-        .collect();
-
-    // Bounds a stretch, and lets the torque that some instant of it takes count for the peaks.
-    let mut look = |start: f64, end: f64, phase: usize, peaks: &mut [TorquePeak]| {
-        plan.trajectory.enclose_into(start, end, &mut motion);
-        arms[phase][0].friction_of(&motion.qd, &mut friction);
-        let mut magnitudes = vec![0.0_f64; limits.len()];
-        let is_short = end - start < SHORTEST_REVERSAL;
-        let undecided = friction.iter().map(|it| if is_short { it.width() } else { 0.0 }).collect();
-        for arm in &mut bounds[phase] {
-            let torques = arm.over(&plan.trajectory, start, end);
-            for (joint, torque) in torques.iter().enumerate() {
-                let total = *torque + friction[joint];
-                magnitudes[joint] = magnitudes[joint].max(total.magnitude());
-                if total.mignitude() > peaks[joint].lower {
-                    peaks[joint].lower = total.mignitude();
-                    peaks[joint].time = middle(start, end);
-                    peaks[joint].phase.clone_from(&plan.phases[phase].name);
-                }
-            }
-        }
-        Node { start, end, phase, excess: 0.0, magnitudes, undecided }
+    let arms = Arms::of(robot, gravity, object, plan)?;
+    let (courses, mut torques) = arms.torques(plan);
+    let tolerances: Vec<f64> = robot.joints.iter().map(|joint| tolerance * joint.limits.effort).collect();
+    let (peaks, is_settled) = find_peaks(&mut torques, &courses, &tolerances, MOST_STEPS);
+    let named = |(joint, peak): (usize, FoundPeak)| {
+        let FoundPeak { lower, upper, time, .. } = peak;
+        let phase = plan.phases[plan.phase_index_at(time)].name.clone();
+        TorquePeak { joint, lower, upper, time, phase, is_settled }
     };
-    let excess = |node: &Node, peaks: &[TorquePeak]| {
-        let of_joint = |joint: usize| {
-            (node.magnitudes[joint] - node.undecided[joint] - peaks[joint].lower) / limits[joint]
-        };
-        (0..limits.len()).map(of_joint).fold(0.0, f64::max)
-    };
+    Ok(peaks.into_iter().enumerate().map(named).collect())
+}
 
-    let mut heap = BinaryHeap::with_capacity(4 * stretches.len());
-    for stretch in &stretches {
-        let mut node = look(stretch.start, stretch.end, stretch.phase, &mut peaks);
-        node.excess = excess(&node, &peaks);
-        heap.push(node);
-    }
-    while let Some(node) = heap.pop() {
-        if excess(&node, &peaks) <= tolerance || node.end - node.start < SHORTEST_STRETCH {
-            for (peak, magnitude) in peaks.iter_mut().zip(&node.magnitudes) {
-                peak.upper = peak.upper.max(*magnitude);
-            }
-            continue;
+/// Whether every joint keeps `share` of its effort limit at every instant of a plan: the proof that
+/// [`torque_peaks`] would give, too, but found sooner, and as near to the limit as rounding allows.
+///
+/// # Errors
+/// As [`torque_peaks`].
+pub fn keep_torque_limits(
+    robot: &RobotModel,
+    gravity: Vector3<f64>,
+    object: Option<&Object>,
+    plan: &Plan,
+    share: f64,
+) -> Result<TorqueLimits, String> {
+    let arms = Arms::of(robot, gravity, object, plan)?;
+    let (courses, mut torques) = arms.torques(plan);
+    let limits: Vec<f64> = robot.joints.iter().map(|joint| share * joint.limits.effort).collect();
+    Ok(match keep_limits(&mut torques, &courses, &limits) {
+        Kept::Always => TorqueLimits::Kept,
+        Kept::Not { quantity, time, value, .. } => {
+            TorqueLimits::Exceeded { joint: quantity, time, torque: value }
         }
-        let half = middle(node.start, node.end);
-        for (start, end) in [(node.start, half), (half, node.end)] {
-            let mut child = look(start, end, node.phase, &mut peaks);
-            for (magnitude, above) in child.magnitudes.iter_mut().zip(&node.magnitudes) {
-                *magnitude = magnitude.min(*above);
+        Kept::Unknown { quantity, time, .. } => TorqueLimits::Unknown { joint: quantity, time },
+    })
+}
+
+/// For each stretch of a plan the arm with what it may hold on it.
+struct Arms {
+    /// For each phase.
+    of_phase: Vec<Vec<Dynamics>>,
+    cuts: Vec<f64>,
+}
+
+impl Arms {
+    fn of(
+        robot: &RobotModel,
+        gravity: Vector3<f64>,
+        object: Option<&Object>,
+        plan: &Plan,
+    ) -> Result<Self, String> {
+        let cuts = cuts(plan, robot.dof())?;
+        let [left, right] = [0, 1].map(|finger| robot.gripper.fingers[finger].link.inertial.mass);
+        if (left - right).abs() > SAME_MASS * left.max(right) {
+            return Err(format!("fingers of {left} kg and {right} kg: torques are proved for equal ones"));
+        }
+        let of_phase = (0..plan.phases.len()).map(|phase| arms_of(robot, gravity, object, plan, phase));
+        Ok(Self { of_phase: of_phase.collect(), cuts })
+    }
+
+    /// The torques of a plan as functions of time, and the courses over which they are to be bounded: each stretch
+    /// with each of the arms that it may have.
+    fn torques<'a>(&'a self, plan: &'a Plan) -> (Vec<Course>, Torques<'a>) {
+        let mut arms = Vec::new();
+        let first_of_phase: Vec<usize> = self
+            .of_phase
+            .iter()
+            .map(|of_phase| {
+                let first = arms.len();
+                arms.extend(
+                    of_phase.iter().map(|arm| TorqueBounds::new(arm, &plan.trajectory).with_friction()),
+                );
+                first
+            })
+            .collect();
+        let (mut courses, mut of_course) = (Vec::new(), Vec::new());
+        for ends in self.cuts.windows(2) {
+            let [start, end] = [ends[0], ends[1]];
+            let phase = plan.phase_index_at(middle(start, end));
+            let piece = plan.trajectory.piece_at(middle(start, end));
+            for arm in 0..self.of_phase[phase].len() {
+                courses.push(Course { start, end });
+                of_course.push((first_of_phase[phase] + arm, piece));
             }
-            child.excess = excess(&child, &peaks);
-            heap.push(child);
+        }
+        (courses, Torques { motion: &plan.trajectory, arms, of_course })
+    }
+}
+
+/// The torques of a plan as functions of time.
+struct Torques<'a> {
+    motion: &'a Trajectory,
+    arms: Vec<TorqueBounds<'a>>,
+    /// For each course the arm and the piece of the motion.
+    of_course: Vec<(usize, usize)>,
+}
+
+impl Bounded for Torques<'_> {
+    fn count(&self) -> usize {
+        self.motion.dof()
+    }
+
+    fn sample_size(&self) -> usize {
+        self.motion.dof()
+    }
+
+    fn sample(&mut self, course: usize, time: f64, sample: &mut [f64]) {
+        let (arm, piece) = self.of_course[course];
+        self.arms[arm].at(piece, time, sample);
+    }
+
+    fn bound(&mut self, course: usize, ends: [f64; 2], samples: [&[f64]; 3], bounds: &mut [Bound]) {
+        let (arm, piece) = self.of_course[course];
+        let is_short = ends[1] - ends[0] < SHORTEST_REVERSAL;
+        for (found, bound) in self.arms[arm].on(piece, ends, samples).iter().zip(bounds) {
+            *bound = Bound {
+                most: found.all.magnitude(),
+                attained: found.middle.mignitude(),
+                undecided: if is_short { found.undecided } else { 0.0 },
+            };
         }
     }
-    Ok(peaks)
 }
 
 /// The arm with what it may hold in a phase, at the least and the largest opening of the phase. While the fingers
@@ -266,6 +309,33 @@ mod tests {
     }
 
     #[test]
+    fn a_limit_is_kept_just_above_the_peak_and_not_below() {
+        let mut draw = fixtures::Draw(5);
+        for robot in [fixtures::scara(), fixtures::six_axes()] {
+            let dof = robot.dof();
+            let ends: [Vec<f64>; 2] =
+                std::array::from_fn(|_| (0..dof).map(|_| draw.between(-1.0, 1.0)).collect());
+            let plan = fixtures::rest_to_rest(&ends[0], &ends[1], 0.8);
+            let peaks = torque_peaks(&robot, GRAVITY, None, &plan, 1e-5).unwrap();
+            assert!(peaks.iter().all(|peak| peak.is_settled));
+            let worst = peaks.iter().map(|peak| peak.upper / robot.joints[peak.joint].limits.effort);
+            let worst = worst.fold(0.0, f64::max);
+            let kept = |share: f64| keep_torque_limits(&robot, GRAVITY, None, &plan, share).unwrap();
+            assert_eq!(kept(worst * 1.001), TorqueLimits::Kept);
+            let TorqueLimits::Exceeded { joint, time, torque } = kept(worst * 0.999) else {
+                panic!("more than the limit is taken: {peaks:?}");
+            };
+            assert!(torque > 0.999 * worst * robot.joints[joint].limits.effort);
+            // What is said to be taken at that instant is.
+            let mut arm = Dynamics::new(&robot, GRAVITY);
+            arm.set_load(0.05, None);
+            let (state, mut tau) = (plan.trajectory.eval(time), vec![0.0; dof]);
+            arm.inverse(&state.q, &state.qd, &state.qdd, &mut tau);
+            assert!((tau[joint].abs() - torque).abs() < 1e-6 * torque, "{tau:?} {torque}");
+        }
+    }
+
+    #[test]
     fn a_load_counts_while_it_is_held_and_only_then() {
         let robot = fixtures::scara();
         let object = Object {
@@ -312,7 +382,7 @@ mod tests {
             joint.friction = 0.4;
         }
         let there = fixtures::rest_to_rest(&[0.0; 4], &[0.5, 0.4, 0.1, 0.0], 0.5);
-        let rest = graspcheck_motion::Trajectory::hold(&[0.5, 0.4, 0.1, 0.0], 1.5).unwrap();
+        let rest = Trajectory::hold(&[0.5, 0.4, 0.1, 0.0], 1.5).unwrap();
         let mut plan = fixtures::rest_to_rest(&[0.0; 4], &[0.0; 4], 2.0);
         plan.trajectory = there.trajectory.then(&rest).unwrap();
         let peaks = torque_peaks(&robot, GRAVITY, None, &plan, 1e-4).unwrap();

@@ -1,7 +1,7 @@
 //! `[check.NAME]` and what must come out.
 
 use graspcheck_model::plan::NoMotion;
-use graspcheck_verify::{CHECKS, CheckLimits, Expectation, is_meant_by};
+use graspcheck_verify::{CHECKS, CheckLimits, Expectation, ToolLimits, is_meant_by};
 
 use crate::{
     cell::{PlacedRule, clearance, default_clearance},
@@ -14,8 +14,21 @@ use crate::{
 };
 
 /// The tables that may stand under `[check]`.
-const NAMES: [&str; 8] =
-    ["clearance", "deviation", "tracking", "slip", "place", "saturation", "via_miss", "utilisation"];
+const NAMES: [&str; 13] = [
+    "clearance",
+    "deviation",
+    "tracking",
+    "slip",
+    "place",
+    "saturation",
+    "via_miss",
+    "utilisation",
+    "tool_speed",
+    "tool_acceleration",
+    "continuity",
+    "branch",
+    "singularity",
+];
 
 /// Reads `[check]`. A check without a table is not requested, except clearance, which has a default.
 pub(crate) fn checks<'a>(
@@ -56,6 +69,21 @@ pub(crate) fn checks<'a>(
                 limits.utilisation_min = check.required_measure("min", Quantity::Share, Bound::UpToOne);
                 complete &= limits.utilisation_min.is_some();
             }
+            "tool_speed" => complete &= tool(&check, Quantity::Speed, &mut limits),
+            "tool_acceleration" => complete &= tool(&check, Quantity::LinearAcceleration, &mut limits),
+            "continuity" => {
+                let step = check.required_measure("acceleration_step_max", Quantity::Share, Bound::Positive);
+                limits.acceleration_step = step;
+                complete &= step.is_some();
+            }
+            "branch" => match check.flag("throughout", true) {
+                Some(throughout) => limits.branch_throughout = throughout,
+                None => complete = false,
+            },
+            "singularity" => {
+                limits.singularity_min = check.required_plain("min", Bound::UpToOne);
+                complete &= limits.singularity_min.is_some();
+            }
             _ => {
                 unknown(name, at, &check);
                 continue;
@@ -65,6 +93,36 @@ pub(crate) fn checks<'a>(
     }
     section.finish();
     complete.then_some((limits, rule?))
+}
+
+/// Reads `max_mm_s` or `max_m_s2` and `phases = [{ phase, max_mm_s }]`, of which one must be there.
+fn tool(check: &Section<'_>, quantity: Quantity, limits: &mut CheckLimits) -> bool {
+    let phases = check.sections("phases", "a phase");
+    let all = if phases.is_empty() || check.mentions("max") {
+        let Some(all) = check.required_measure("max", quantity, Bound::Positive) else { return false };
+        Some(all)
+    } else {
+        None
+    };
+    let is_speed = matches!(quantity, Quantity::Speed);
+    *(if is_speed { &mut limits.tool_speed } else { &mut limits.tool_acceleration }) = all;
+    let mut complete = true;
+    for phase in phases {
+        let name = phase.required_text("phase");
+        let max = phase.required_measure("max", quantity, Bound::Positive);
+        phase.finish();
+        let (Some((name, _)), Some(max)) = (name, max) else {
+            complete = false;
+            continue;
+        };
+        let (speed, acceleration) = if is_speed { (Some(max), None) } else { (None, Some(max)) };
+        match limits.tool_in_phases.iter_mut().find(|own| own.phase == name) {
+            Some(own) if is_speed => own.speed = speed,
+            Some(own) => own.acceleration = acceleration,
+            None => limits.tool_in_phases.push(ToolLimits { phase: name.to_owned(), speed, acceleration }),
+        }
+    }
+    complete
 }
 
 /// Reads `max_mm`, which must be there.

@@ -23,6 +23,8 @@ pub(crate) struct Finding {
     pub(crate) violated: Option<[f64; 2]>,
     pub(crate) place: Place,
     pub(crate) note: Note,
+    /// How many times as long the whole motion must be given for the limit to be kept.
+    pub(crate) stretch: Option<f64>,
 }
 
 impl Finding {
@@ -39,6 +41,7 @@ impl Finding {
             violated: None,
             place: Place::default(),
             note: Note::default(),
+            stretch: None,
         }
     }
 
@@ -73,6 +76,14 @@ impl Finding {
             finding.violated = Some([first, beyond.next_back().map_or(first, |&(last, _)| last)]);
         }
         Some(finding)
+    }
+
+    /// The same with the stretch of time that would cure it, when it fails: a derivative of the given order goes as
+    /// 1/kᵒʳᵈᵉʳ when the whole motion is given k times as long.
+    pub(crate) fn slower(mut self, order: usize) -> Self {
+        let stretch = (self.value / self.limit).powf(1.0 / order as f64);
+        self.stretch = (!self.passes && stretch.is_finite()).then_some(stretch);
+        self
     }
 
     pub(crate) fn at(mut self, time: f64) -> Self {

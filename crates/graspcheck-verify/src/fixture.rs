@@ -304,10 +304,7 @@ pub(crate) fn pick() -> Run {
             place: Some(1e-3),
             place_angle: Some(0.02),
             saturated_steps: Some(0),
-            via_miss: None,
-            via_miss_angle: None,
-            deviation: None,
-            utilisation_min: None,
+            ..CheckLimits::default()
         },
         expect: Expectation::Pass,
     };

@@ -53,5 +53,5 @@ pub use evidence::{
 };
 pub use judge::{is_meant_by, judge};
 pub use note::{Note, NotePart};
-pub use resolved::{CheckLimits, Expectation, Resolved};
+pub use resolved::{CheckLimits, Expectation, Resolved, ToolLimits};
 pub use verdict::{Basis, CheckResult, Outcome, Place, Unit, Verdict};

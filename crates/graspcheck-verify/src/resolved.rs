@@ -59,6 +59,32 @@ pub struct CheckLimits {
     /// Least peak utilisation of velocity, acceleration and torque that the scenario claims to reach, as
     /// shares of the limits; it fails when the motion is slower than it claims.
     pub utilisation_min: Option<f64>,
+    /// Largest speed of the tool, m/s.
+    pub tool_speed: Option<f64>,
+    /// Largest acceleration of the tool, m/s².
+    pub tool_acceleration: Option<f64>,
+    /// Phases that have limits of their own for the tool.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tool_in_phases: Vec<ToolLimits>,
+    /// How much an acceleration may step by at a break, as a share of the joint's acceleration limit; for tasks that
+    /// say nothing see `planned.continuity`.
+    pub acceleration_step: Option<f64>,
+    /// Whether the elbow must keep its side throughout and not only where the tool is led on a path.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub branch_throughout: bool,
+    /// Least distance from a singular pose, no unit; see [`graspcheck_proof::singular`].
+    pub singularity_min: Option<f64>,
+}
+
+/// Limits of the tool in one phase, instead of those of the whole plan.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToolLimits {
+    /// Name of the phase.
+    pub phase: String,
+    /// Largest speed, m/s; that of the whole plan when it is not given.
+    pub speed: Option<f64>,
+    /// Largest acceleration, m/s²; that of the whole plan when it is not given.
+    pub acceleration: Option<f64>,
 }
 
 /// What must come out of a run.

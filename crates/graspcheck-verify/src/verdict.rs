@@ -163,6 +163,10 @@ pub struct CheckResult {
     pub basis: Basis,
     /// What a table cannot say.
     pub note: Note,
+    /// For a failure that a slower motion would cure: how many times as long the whole plan must be given so that
+    /// it keeps this limit, more than 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stretch: Option<f64>,
 }
 
 /// The judgement of a run.

@@ -226,6 +226,7 @@ mod tests {
             place: Place { subjects: vec!["arm".to_owned()], phase: None },
             basis: Basis::Exact,
             note: Note::default(),
+            stretch: None,
         };
         Verdict {
             schema: 2,

@@ -122,7 +122,7 @@ proptest! {
         let motion = quintic(start, end, speed);
         let to = (from + 10.0_f64.powf(log_length)).min(1.0);
         let mut dynamics = Dynamics::new(&robot, GRAVITY);
-        let bounds = TorqueBounds::new(&dynamics.clone()).over(&motion, from, to).to_vec();
+        let bounds = TorqueBounds::new(&dynamics.clone(), &motion).over(from, to).to_vec();
         let mut state = MotionState::zeros(4);
         for i in 0..=30 {
             motion.eval_into((from + (to - from) * f64::from(i) / 30.0).min(to), &mut state);
@@ -224,13 +224,13 @@ fn where_an_acceleration_jumps_both_sides_count() {
     let still = Polynomial::constant(0.0);
     let all = pieces.into_iter().flat_map(|p| [p, still, still]).collect();
     let motion = Trajectory::new(3, vec![0.0, 1.0, 2.0], all).expect("two intervals of three joints");
-    let mut dynamics = Dynamics::new(&arms::rrr(), Vector3::zeros());
-    let inertia = dynamics.mass_matrix(&[0.0; 3])[(0, 0)];
-    let mut room = TorqueBounds::new(&dynamics);
-    let torque = room.over(&motion, 0.9, 1.1)[0];
+    let dynamics = Dynamics::new(&arms::rrr(), Vector3::zeros());
+    let inertia = dynamics.clone().mass_matrix(&[0.0; 3])[(0, 0)];
+    let mut room = TorqueBounds::new(&dynamics, &motion);
+    let torque = room.over(0.9, 1.1)[0];
     assert!(torque.contains(2.0 * inertia) && torque.contains(-inertia), "{torque}");
-    assert!(torque.width() < 3.0 * inertia * (1.0 + 1e-9), "{torque}");
-    let left = room.over(&motion, 0.9, 1.0)[0];
+    assert!(torque.width() < 3.0 * inertia * (1.0 + 1e-2), "{torque}");
+    let left = room.over(0.9, 1.0)[0];
     assert!(left.contains(2.0 * inertia) && !left.contains(1.9 * inertia), "{left}");
 }
 
@@ -255,7 +255,7 @@ fn the_excess_of_bounds_is_what_the_docs_say() {
     let motion = quintic([0.3, 0.4, -0.05, 0.1], [-0.9, -1.2, -0.25, 4.0], [0.0; 4]);
     let dynamics = Dynamics::new(&arms::scara(), Vector3::new(0.0, 0.0, -9.81));
     let mut by_floats = dynamics.clone();
-    let mut room = TorqueBounds::new(&dynamics);
+    let mut room = TorqueBounds::new(&dynamics, &motion);
     let mut sampled = |from: f64, to: f64| {
         let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
         let (mut state, mut tau) = (MotionState::zeros(4), [0.0; 4]);
@@ -279,7 +279,7 @@ fn the_excess_of_bounds_is_what_the_docs_say() {
             let state: [[Interval; 4]; 4] = std::array::from_fn(|joint| motion.enclose(joint, from, to));
             let order = |k: usize| -> [Interval; 4] { std::array::from_fn(|joint| state[joint][k]) };
             dynamics.inverse_of(&order(0), &order(1), &order(2), &mut Workspace::new(4), &mut alone);
-            for (joint, bound) in room.over(&motion, from, to).iter().enumerate() {
+            for (joint, bound) in room.over(from, to).iter().enumerate() {
                 let width = range[joint][1] - range[joint][0];
                 worst[0] = worst[0].max((alone[joint].width() - width) / peaks[joint]);
                 worst[1] = worst[1].max((bound.width() - width) / peaks[joint]);
@@ -287,10 +287,10 @@ fn the_excess_of_bounds_is_what_the_docs_say() {
         }
         found.push(worst);
     }
-    for (worst, stated) in found.iter().zip([[0.75, 0.58], [0.20, 0.04], [0.06, 0.003]]) {
+    for (worst, stated) in found.iter().zip([[0.75, 0.26], [0.20, 0.005], [0.06, 0.0004]]) {
         assert!(worst[0] < stated[0] && worst[1] < stated[1], "{found:?}");
     }
-    assert!(found[1][1] < found[0][1] / 10.0 && found[2][1] < found[1][1] / 10.0, "second order: {found:?}");
+    assert!(found[1][1] < found[0][1] / 10.0 && found[2][1] < found[1][1] / 10.0, "{found:?}");
 }
 
 #[test]

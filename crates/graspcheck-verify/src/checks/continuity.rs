@@ -6,7 +6,9 @@
 //! a limit. A motion by parabolic blends, or by cubics through points (the tasks `cartesian_via` and
 //! `joint_via`, except by virtual points), steps by nature, and is allowed twice the joint's acceleration
 //! limit: the step from full braking to full acceleration. Every other task is planned with continuous
-//! acceleration and is allowed no step.
+//! acceleration and is allowed no step. A scenario may set the share of the acceleration limit itself.
+//!
+//! The note says of what class the motion is: Cⁿ when its first n derivatives are continuous.
 //!
 //! The robot stands still before and after the plan, so a plan that begins or ends in motion jumps there.
 
@@ -24,14 +26,17 @@ const LARGEST_STEP: f64 = 2.0;
 
 const ORDER_NAMES: [&str; 3] = ["position", "velocity", "acceleration"];
 
+/// The class of a motion whose first jump is of the given order.
+const CLASS_NAMES: [&str; 3] = ["the motion is not continuous", "class C0", "class C1"];
+
 /// A jump of one joint.
-struct Jump {
-    joint: usize,
-    time: f64,
+pub(super) struct Jump {
+    pub(super) joint: usize,
+    pub(super) time: f64,
     /// Which derivative jumps first: 0 position, 1 velocity, 2 acceleration.
     order: usize,
     /// Magnitude, SI units.
-    size: f64,
+    pub(super) size: f64,
     /// What it is held against.
     limit: f64,
 }
@@ -49,10 +54,10 @@ impl Jump {
 pub(super) fn continuity(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     let jumps = jumps(evidence);
     let count = jumps.len();
-    let steps_are_allowed = evidence.resolved.task.steps_acceleration();
+    let share = step_share(evidence);
     let Some(worst_order) = jumps.iter().map(|jump| jump.order).min() else {
         return Ok(Finding::at_most(0.0, 0.0, Unit::Count)
-            .noted("position, velocity and acceleration are continuous, from rest to rest"));
+            .noted("class C2: position, velocity and acceleration are continuous, from rest to rest"));
     };
     let of_that_order = jumps.into_iter().filter(|jump| jump.order == worst_order);
     let worst = worst_by(of_that_order, |jump| jump.rank().1).expect("a jump has the least order of all");
@@ -61,17 +66,20 @@ pub(super) fn continuity(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     let quantity = ORDER_NAMES[worst.order];
     let mut finding = Finding::at_most(worst.size, worst.limit, Unit::of_derivative(joint.kind, worst.order));
     if worst.limit > 0.0 {
-        finding = finding.by_share();
+        finding = finding.by_share().slower(worst.order);
     }
-    let note = match (worst.order, steps_are_allowed) {
-        (2, true) => format!(
-            "{count} steps of acceleration, impulses of jerk; this law may step by {LARGEST_STEP} times the \
+    let class = CLASS_NAMES[worst.order];
+    let note = match (worst.order, share) {
+        (2, Some(share)) => format!(
+            "{class}: {count} steps of acceleration, impulses of jerk, which may be {share} times the \
              acceleration limit"
         ),
-        (2, false) => {
-            format!("the acceleration steps, an impulse of jerk; {count} in all, and none is declared")
+        (2, None) => {
+            format!(
+                "{class}: the acceleration steps, an impulse of jerk; {count} in all, and none is declared"
+            )
         }
-        _ => format!("the {quantity} jumps, {count} jumps in all"),
+        _ => format!("{class}: the {quantity} jumps, {count} jumps in all"),
     };
     if !finding.passes {
         finding.violated = Some([worst.time, worst.time]);
@@ -79,10 +87,22 @@ pub(super) fn continuity(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
     Ok(finding.at(worst.time).of([joint.name.as_str()]).during(evidence.phase_name(worst.time)).noted(note))
 }
 
+/// By how many times the joint's acceleration limit an acceleration may step; none when it must not.
+fn step_share(evidence: &Evidence<'_>) -> Option<f64> {
+    let by_nature = evidence.resolved.task.steps_acceleration().then_some(LARGEST_STEP);
+    evidence.resolved.checks.acceleration_step.or(by_nature)
+}
+
+/// Where an acceleration steps the most, as a share of the joint's limit: the size of an impulse of jerk.
+pub(super) fn largest_acceleration_step(evidence: &Evidence<'_>) -> Option<Jump> {
+    let steps = jumps(evidence).into_iter().filter(|jump| jump.order == 2);
+    worst_by(steps, |step| step.size / evidence.joints()[step.joint].limits.acceleration)
+}
+
 /// All jumps, inside the motion and at its ends.
 fn jumps(evidence: &Evidence<'_>) -> Vec<Jump> {
     let trajectory = &evidence.plan.trajectory;
-    let steps_are_allowed = evidence.resolved.task.steps_acceleration();
+    let share = step_share(evidence);
     let mut found = Vec::new();
     let mut enter = |joint: usize, time: f64, order: usize, jump: f64| {
         // A NaN is a jump too.
@@ -90,10 +110,9 @@ fn jumps(evidence: &Evidence<'_>) -> Vec<Jump> {
         if jump.abs() <= tolerance {
             return;
         }
-        let limit = if order == 2 && steps_are_allowed {
-            LARGEST_STEP * evidence.joints()[joint].limits.acceleration
-        } else {
-            0.0
+        let limit = match share {
+            Some(share) if order == 2 => share * evidence.joints()[joint].limits.acceleration,
+            _ => 0.0,
         };
         found.push(Jump { joint, time, order, size: jump.abs(), limit });
     };
@@ -166,6 +185,24 @@ mod tests {
         let result = with_lift(first, rest_to_rest(0.1, 0.02, 1.0)).check("planned.continuity");
         assert_eq!((result.outcome, result.unit), (Outcome::Fail, Unit::MeterPerSecond2));
         assert!(result.note.to_string().contains("impulse of jerk"), "{}", result.note);
+    }
+
+    #[test]
+    fn a_declared_step_is_held_against_its_own_limit() {
+        // A step of 0.5 m/s² where the joint may accelerate by some limit: 0.4 and 0.6 of it.
+        let first = Polynomial::quintic_hermite([0.2, 0.0, 0.0], [0.1, 0.0, 0.5], 1.0);
+        let mut run = with_lift(first, rest_to_rest(0.1, 0.02, 1.0));
+        run.resolved.robot.joints[0].limits.acceleration = 1.0;
+        for (share, outcome) in [(0.6, Outcome::Pass), (0.4, Outcome::Fail)] {
+            run.resolved.checks.acceleration_step = Some(share);
+            let result = run.check("planned.continuity");
+            assert_eq!((result.outcome, result.limit), (outcome, Some(share)), "{result:?}");
+            assert!((result.value.unwrap() - 0.5).abs() < 1e-9);
+            assert!(result.note.to_string().contains("class C1"), "{}", result.note);
+        }
+        // A step goes as 1/k².
+        let stretch = run.check("planned.continuity").stretch.unwrap();
+        assert!((stretch * stretch - 0.5 / 0.4).abs() < 1e-9, "{stretch}");
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 use graspcheck_model::robot::JointLimits;
 
+use super::continuity::largest_acceleration_step;
 use crate::{
     evidence::Evidence,
     finding::{Finding, Gap, ROUNDING, worst_by},
@@ -51,7 +52,16 @@ pub(super) fn acceleration(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
 
 /// The joint that uses the largest share of its jerk limit.
 pub(super) fn jerk(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
-    derivative(evidence, 3, |limits| limits.jerk)
+    let finding = derivative(evidence, 3, |limits| limits.jerk)?;
+    let Some(step) = largest_acceleration_step(evidence) else { return Ok(finding) };
+    let joint = &evidence.joints()[step.joint];
+    let apart = if finding.note.is_empty() { "" } else { "; " };
+    let note = finding.note.clone().and(format!("{apart}without the impulse where the acceleration of "));
+    let note = note
+        .and(joint.name.as_str())
+        .and(" steps by ")
+        .quantity(step.size, Unit::of_derivative(joint.kind, 2));
+    Ok(finding.noted(note.and(" at ").quantity(step.time, Unit::Second)))
 }
 
 /// The joint that uses the largest share of its limit of the `order`-th derivative: the largest magnitude,
@@ -73,7 +83,7 @@ pub(super) fn derivative(
         let limit = limit_of(&model.limits) * (1.0 + ROUNDING);
         trajectory.exceeds(joint, order, -limit, limit)
     });
-    Ok(located(worst, joint, &violated.collect::<Vec<_>>(), evidence))
+    Ok(located(worst.slower(order), joint, &violated.collect::<Vec<_>>(), evidence))
 }
 
 /// The finding with joint and phase, and with the first and last instant of the violations of all joints.
@@ -165,6 +175,64 @@ mod tests {
         // 30 D τ²(1 - τ)² = 0.9 with D = 0.5: τ(1 - τ) = √0.06.
         let tau = 0.5 - (0.25 - 0.06_f64.sqrt()).sqrt();
         assert!((from - (3.3 + tau)).abs() < 1e-6, "{from} is not {}", 3.3 + tau);
+    }
+
+    #[test]
+    fn a_failure_says_how_much_longer_the_motion_must_be_given() {
+        // 15/8 D/T, 10/√3 D/T², 60 D/T³ with D = 0.5, T = 1: what k times as long would bring to the limit.
+        for (order, limit) in [(1, 0.8), (2, 2.0), (3, 10.0)] {
+            let mut run = fixture::pick();
+            let limits = &mut run.resolved.robot.joints[1].limits;
+            let slot =
+                [&mut limits.velocity, &mut limits.acceleration, &mut limits.jerk].into_iter().nth(order - 1);
+            *slot.unwrap() = limit;
+            let name = ["planned.velocity", "planned.acceleration", "planned.jerk"][order - 1];
+            let stretch = run.check(name).stretch.unwrap();
+            let peak = [15.0 / 16.0, 10.0 / 3.0_f64.sqrt() * 0.5, 30.0][order - 1];
+            assert!((peak / stretch.powf(order as f64) - limit).abs() < 1e-9, "{name} {stretch}");
+            assert!(stretch > 1.0);
+        }
+        assert_eq!(fixture::pick().check("planned.velocity").stretch, None);
+    }
+
+    #[test]
+    fn a_cubic_that_overshoots_its_limit_by_a_thousandth_between_two_points_is_found() {
+        // From 0.2 m to 0.1 m in 1 s, at 0.05 m/s at both points, and fastest halfway.
+        let piece = Polynomial::new([0.2, -0.05, -0.15, 0.1]);
+        let fastest = 0.05 + 0.15 * 0.15 / (3.0 * 0.1);
+        for (share, outcome) in [(1.0 / 1.001, Outcome::Fail), (1.001, Outcome::Pass)] {
+            let mut run = with_first_piece(0, piece);
+            run.resolved.robot.joints[0].limits.velocity = share * fastest;
+            // The other phases of this run must not be what fails.
+            run.plan.trajectory = only_first_piece_of(&run, 0);
+            let result = run.check("planned.velocity");
+            assert_eq!(result.outcome, outcome, "{result:?}");
+            if outcome == Outcome::Fail {
+                assert!((result.time.unwrap() - 0.5).abs() < 1e-9, "{result:?}");
+                let [from, to] = result.violated.unwrap();
+                assert!(from < 0.5 && 0.5 < to && to - from < 0.1, "{from} {to}");
+                assert!((result.value.unwrap() / fastest - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    /// The motion of a run with one joint at rest in all pieces but the first.
+    fn only_first_piece_of(run: &Run, joint: usize) -> Trajectory {
+        let old = &run.plan.trajectory;
+        let mut pieces: Vec<Polynomial> =
+            (0..old.piece_count()).flat_map(|k| old.piece_of_all(k).to_vec()).collect();
+        for piece in 1..old.piece_count() {
+            pieces[piece * old.dof() + joint] = Polynomial::constant(0.05);
+        }
+        Trajectory::new(old.dof(), old.knots().to_vec(), pieces).unwrap()
+    }
+
+    #[test]
+    fn a_step_of_acceleration_is_an_impulse_of_jerk_and_said_to_be_one() {
+        let run = with_first_piece(0, Polynomial::new([0.2, 0.0, 0.5]));
+        let note = run.check("planned.jerk").note.to_string();
+        assert!(note.contains("impulse") && note.contains("m/s²"), "{note}");
+        assert!(!fixture::pick().check("planned.jerk").note.to_string().contains("impulse"));
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! and place; or why there is nothing to say. That becomes a [`CheckResult`] in one place, here, so that
 //! no check can pass without a value.
 
+mod branch;
 mod clearance;
 mod consistency;
 mod contacts;
@@ -19,6 +20,7 @@ mod place;
 mod slip;
 mod stability;
 mod task;
+mod tool;
 mod torque;
 mod utilisation;
 mod via;
@@ -48,10 +50,14 @@ pub const CHECKS: &[Check] = &[
     Check { name: "planned.acceleration", basis: Basis::Exact, find: limits::acceleration },
     Check { name: "planned.jerk", basis: Basis::Exact, find: limits::jerk },
     Check { name: "planned.torque", basis: Basis::Proved, find: torque::torque },
+    Check { name: "planned.tool_speed", basis: Basis::Proved, find: tool::speed },
+    Check { name: "planned.tool_acceleration", basis: Basis::Proved, find: tool::acceleration },
     Check { name: "planned.continuity", basis: Basis::Exact, find: continuity::continuity },
     Check { name: "planned.clearance", basis: Basis::Proved, find: clearance::clearance },
     Check { name: "planned.certificate", basis: Basis::Proved, find: clearance::certificate },
     Check { name: "planned.deviation", basis: Basis::Proved, find: deviation::deviation },
+    Check { name: "planned.branch", basis: Basis::Proved, find: branch::branch },
+    Check { name: "planned.singularity", basis: Basis::Proved, find: branch::singularity },
     Check { name: "planned.via", basis: Basis::Exact, find: via::via },
     Check { name: "planned.utilisation", basis: Basis::Exact, find: utilisation::planned },
     Check { name: "executed.position", basis: Basis::Measured, find: executed::position },
@@ -111,6 +117,7 @@ impl Check {
             place: finding.place,
             basis: self.basis,
             note: finding.note,
+            stretch: finding.stretch,
         }
     }
 
@@ -129,6 +136,7 @@ impl Check {
             place: Place::default(),
             basis: self.basis,
             note,
+            stretch: None,
         }
     }
 }

@@ -1,8 +1,12 @@
 //! `planned.torque`: no joint takes more than its effort limit at any instant of the plan, with what it holds.
 //! Proved by bounds over stretches of time; see [`graspcheck_proof::torque`].
+//!
+//! What gravity takes stays when a motion is given more time; the rest goes as 1/k². The stretch that would cure a failure
+//! is therefore found by proofs of stretched motions, and there is none when holding still takes too much.
 
 use graspcheck_proof::{
-    TorquePeak,
+    TorqueLimits, TorquePeak, keep_torque_limits,
+    slower::stretched,
     torque::{TORQUE_TOLERANCE, torque_peaks},
 };
 
@@ -24,7 +28,10 @@ pub(super) fn torque(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
         let peaks = peaks(evidence, tolerance)?;
         let taken = findings(evidence, &peaks, |peak| peak.lower);
         if let Some(exceeds) = worst_by(taken.filter(|taken| !taken.passes), |taken| -taken.margin) {
-            return Ok(exceeds);
+            return Ok(match stretch(evidence) {
+                Some(stretch) => Finding { stretch: Some(stretch), ..exceeds },
+                None => exceeds.noted("slower is no cure: holding still takes too much"),
+            });
         }
         let mut bounds = findings(evidence, &peaks, |peak| peak.upper);
         if bounds.all(|bound| bound.passes) {
@@ -43,10 +50,38 @@ pub(super) fn torque(evidence: &Evidence<'_>) -> Result<Finding, Gap> {
             .quantity(peak.lower, unit)
             .and(" and ")
             .quantity(peak.upper, unit)
-            .and(", too near to the limit to tell");
+            .and(if peak.is_settled { ", too near to the limit to tell" } else { "; the search gave up" });
         Gap::inconclusive(Some(peak.time), note)
     });
     Err(near.unwrap_or_else(|| Gap::inconclusive(None, "the arm has no joint")))
+}
+
+/// A motion that is given this many times as long takes what holding still takes, but for a few millionths.
+const LARGEST_STRETCH: f64 = 1024.0;
+
+/// To what share a stretch is found.
+const STRETCH_TOLERANCE: f64 = 1e-3;
+
+/// The least stretch of time, to a tolerance, for which the effort limits are proved to be kept.
+fn stretch(evidence: &Evidence<'_>) -> Option<f64> {
+    let resolved = &evidence.resolved;
+    let (gravity, object) = (resolved.cell.gravity, resolved.object.as_ref());
+    let is_kept = |stretch: f64| {
+        let Ok(plan) = stretched(&evidence.plan, stretch) else { return false };
+        keep_torque_limits(&resolved.robot, gravity, object, &plan, 1.0) == Ok(TorqueLimits::Kept)
+    };
+    let (mut broken, mut kept) = (1.0, 2.0);
+    while !is_kept(kept) {
+        (broken, kept) = (kept, 2.0 * kept);
+        if kept > LARGEST_STRETCH {
+            return None;
+        }
+    }
+    while kept > broken * (1.0 + STRETCH_TOLERANCE) {
+        let between = 0.5 * (broken + kept);
+        if is_kept(between) { kept = between } else { broken = between }
+    }
+    Some(kept)
 }
 
 fn peaks(evidence: &Evidence<'_>, tolerance: f64) -> Result<Vec<TorquePeak>, Gap> {
@@ -96,6 +131,39 @@ mod tests {
         let result = run.check("planned.torque");
         assert_eq!(result.outcome, Outcome::Fail, "{result:?}");
         assert!(result.time.is_some() && result.place.phase.is_some() && !result.place.subjects.is_empty());
+    }
+
+    #[test]
+    fn the_stretch_is_that_of_what_gravity_leaves() {
+        // The lift alone, whose force is m (g + a): gravity stays, the rest goes as 1/k².
+        let mut run = fixture::pick();
+        run.resolved.object = None;
+        run.plan.grasp = None;
+        for phase in &mut run.plan.phases {
+            phase.holding = graspcheck_model::plan::Holding::Nothing;
+        }
+        for joint in &mut run.resolved.robot.joints {
+            (joint.damping, joint.friction, joint.limits.effort) = (0.0, 0.0, 1e6);
+        }
+        let motion = &run.plan.trajectory;
+        let peak = motion.range_in(0, 2, 0.0, motion.duration())[1].value;
+        let robot = &run.resolved.robot;
+        let weight = {
+            let mut arm = graspcheck_model::dynamics::Dynamics::new(robot, run.resolved.cell.gravity);
+            let mut tau = [0.0; 2];
+            arm.inverse(&[0.0; 2], &[0.0; 2], &[0.0; 2], &mut tau);
+            tau[0]
+        };
+        let mass = weight / -run.resolved.cell.gravity.z + robot.joints[0].rotor_inertia;
+        // Half of what acceleration adds is too much.
+        run.resolved.robot.joints[0].limits.effort = weight + 0.5 * mass * peak;
+        let result = run.check("planned.torque");
+        assert_eq!(result.outcome, Outcome::Fail, "{result:?}");
+        assert!((result.stretch.unwrap() - 2.0_f64.sqrt()).abs() < 3e-3, "{result:?}");
+        run.resolved.robot.joints[0].limits.effort = 0.99 * weight;
+        let result = run.check("planned.torque");
+        assert_eq!((result.outcome, result.stretch), (Outcome::Fail, None));
+        assert!(result.note.to_string().contains("slower is no cure"), "{}", result.note);
     }
 
     #[test]

@@ -12,8 +12,24 @@ const INSET: f64 = 1e-9;
 
 /// What to write instead for a limit of velocity, acceleration or jerk that is broken in a phase of given
 /// duration: the least duration that keeps all of them.
+///
+/// Failing that, how many times as long the whole motion must be given, where slower is a cure.
 #[must_use]
 pub(super) fn cure(result: &CheckResult, resolved: &Resolved, plan: &Plan) -> Option<String> {
+    least_written(result, resolved, plan).or_else(|| slower(result, plan))
+}
+
+fn slower(result: &CheckResult, plan: &Plan) -> Option<String> {
+    let stretch = result.stretch.filter(|_| result.outcome == Outcome::Fail)?;
+    // Rounded up, so that what one reads suffices.
+    let written = (stretch * 1e4).ceil() / 1e4;
+    Some(format!(
+        "{written} times as long, {} for the whole motion, keeps this limit",
+        seconds(written * plan.duration())
+    ))
+}
+
+fn least_written(result: &CheckResult, resolved: &Resolved, plan: &Plan) -> Option<String> {
     let is_of_time =
         ["planned.velocity", "planned.acceleration", "planned.jerk"].contains(&result.check.as_str());
     if result.outcome != Outcome::Fail || !is_of_time {

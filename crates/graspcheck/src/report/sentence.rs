@@ -130,6 +130,7 @@ mod tests {
             place: Place { subjects: vec!["shoulder".into()], phase: Some("carry".into()) },
             basis: Basis::Exact,
             note: Note::default(),
+            stretch: None,
         }
     }
 
