@@ -473,7 +473,8 @@ mod tests {
     #[test]
     fn the_bound_by_tangents_exceeds_the_way_by_its_square_only() {
         for n in [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.6, 0.8, 0.0]] {
-            let [coarse, fine] = [0.1, 0.01].map(|length| excess(length, n)[1]);
+            // On longer intervals it is another corner that gets farthest.
+            let [coarse, fine] = [0.01, 0.001].map(|length| excess(length, n)[1]);
             assert!(coarse >= -1e-12 && fine >= -1e-12 && fine < 0.02 * coarse + 1e-12, "{coarse}, {fine}");
         }
         // Chords count in full across the way.

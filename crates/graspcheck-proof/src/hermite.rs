@@ -55,6 +55,7 @@ impl HermitePiece {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "the ends of a range are places that are met exactly")]
 mod tests {
     use proptest::prelude::*;
 
@@ -65,7 +66,7 @@ mod tests {
         fn ends_are_met_and_nothing_lies_outside_the_range(
             positions: [f64; 2], velocities: [f64; 2], from in 0.0..0.5_f64, to in 0.5..1.0_f64
         ) {
-            let bounded = |x: f64| if x.is_finite() { (x % 10.0) } else { 1.0 };
+            let bounded = |x: f64| if x.is_finite() { x % 10.0 } else { 1.0 };
             let (positions, velocities) = (positions.map(bounded), velocities.map(bounded));
             let piece = HermitePiece::new(positions, velocities, 0.7);
             for (end, tau) in [(0, 0.0), (1, 0.7)] {

@@ -47,6 +47,7 @@ impl RangeTree {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "a union has the very ends of its parts")]
 mod tests {
     use super::*;
     use crate::fixtures::Draw;

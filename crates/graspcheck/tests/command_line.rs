@@ -1,6 +1,6 @@
 //! The command line as a user meets it: exit codes, messages, and nothing half-written.
 
-#![expect(clippy::unwrap_used, clippy::panic, reason = "a helper of a test fails like the test")]
+#![expect(clippy::unwrap_used, reason = "a helper of a test fails like the test")]
 
 use std::{
     fs,

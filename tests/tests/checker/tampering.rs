@@ -428,7 +428,7 @@ pub(crate) const OF_THE_CROWDED_PICK: &[Tampering] = &[
             post["world_from_shape"]["translation"] = json!([0.3, 0.0, 0.2]);
         },
         Quantity::Occurrences,
-        "forearm[0] - post_20[0] …",
+        "hand[1] - post_20[0] …",
     ),
     ("fewer pairs", CERTIFICATE, |c| c["pair_count"] = json!(1), Quantity::PairCount, "the whole"),
 ];

@@ -4,6 +4,7 @@ mod joint_segments;
 mod joint_via;
 mod lfpb_laws;
 mod lines;
+mod path_splines;
 mod paths;
 mod pick_and_place;
 #[path = "../robots/mod.rs"]

@@ -15,7 +15,9 @@ fn rubbing() -> RobotModel {
 /// Eighth order by a library and fourth order of our own, which the windows of every run are integrated with.
 #[test]
 fn two_integrations_of_the_exact_equations_agree() {
-    for (robot, tolerance) in [(fixtures::rrr(), 1e-9), (rubbing(), 5e-6)] {
+    // Dry friction that turns within a step of 1 ms costs the fourth order: ½ dt² of twice the friction's
+    // acceleration of some 10 rad/s² at each turn.
+    for (robot, tolerance) in [(fixtures::rrr(), 1e-9), (rubbing(), 2e-5)] {
         let trial = Trial::of(&robot);
         let eighth = exact_swing(&robot, &trial, 2.0).unwrap();
         let mut arm = ExactArm::new(&robot, trial.gravity);
@@ -51,12 +53,12 @@ fn a_plant_of_first_order_is_found_to_be_one() {
 #[test]
 fn the_first_link_swings_with_the_period_of_a_pendulum() {
     for robot in [fixtures::rrr(), fixtures::scara(), fixtures::tilted()] {
-        let off = pendulum_period(&robot, 1e-3).unwrap();
+        let off = pendulum::period(&robot, 1e-3).unwrap();
         assert!(off.abs() < 1e-4, "{}: {off}", robot.name);
     }
     let mut sliding = fixtures::scara();
     sliding.joints[0].kind = JointKind::Prismatic;
-    assert!(matches!(pendulum_period(&sliding, 1e-3), Err(FidelityError::NoPendulum { .. })));
+    assert!(matches!(pendulum::period(&sliding, 1e-3), Err(FidelityError::NoPendulum { .. })));
 }
 
 #[test]
