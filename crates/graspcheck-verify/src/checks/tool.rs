@@ -37,7 +37,14 @@ fn largest(
 ) -> Result<Finding, Gap> {
     let what = ["speed", "acceleration"][quantity];
     let phases = &evidence.plan.phases;
-    let of_phase = |name: &str| evidence.resolved.checks.tool_in_phases.iter().find(|own| own.phase == name);
+    let named = &evidence.resolved.checks.tool_in_phases;
+    if let Some(lost) = named.iter().find(|own| phases.iter().all(|phase| phase.name != own.phase)) {
+        let there: Vec<&str> = phases.iter().map(|phase| phase.name.as_str()).collect();
+        let note =
+            format!("a limit is set for the phase `{}`; the plan has {}", lost.phase, there.join(", "));
+        return Err(Gap::inconclusive(None, note));
+    }
+    let of_phase = |name: &str| named.iter().find(|own| own.phase == name);
     let limits: Vec<Option<f64>> = phases.iter().map(|phase| limit_of(of_phase(&phase.name))).collect();
     let least = limits.iter().flatten().copied().fold(f64::INFINITY, f64::min);
     if least == f64::INFINITY {
@@ -123,5 +130,8 @@ mod tests {
         // A limit of one phase alone asks for the check, too.
         run.resolved.checks.tool_acceleration = None;
         assert_eq!(run.check("planned.tool_acceleration").outcome, Outcome::Fail);
+        // A name that no phase has would be a limit that holds nowhere.
+        run.resolved.checks.tool_in_phases[0].phase = "aproach".to_owned();
+        assert_eq!(run.check("planned.tool_acceleration").outcome, Outcome::Inconclusive);
     }
 }
