@@ -192,7 +192,7 @@ fn a_log_that_lost_a_channel_is_undecided_wherever_that_channel_is_read() {
 fn a_stream_that_was_edited_contradicts_another() {
     let recording = run(SCENARIOS[0]).recording;
     assert!(!failed(&reviewed(&recording)).contains(&"executed.consistency"));
-    let edits: [Edit; 9] = [
+    let edits: [Edit; 10] = [
         ("a peak torque is lowered", |log| {
             for effort in &mut log.reference.effort {
                 *effort = effort.clamp(-40.0, 40.0);
@@ -217,6 +217,12 @@ fn a_stream_that_was_edited_contradicts_another() {
         ("the object rests at the end", |log| {
             let last = log.object.pose.len() - 1;
             log.object.pose[last][0] += 1e-3;
+        }),
+        ("the object slips back slowly", |log| {
+            let first = log.object.time_ns.partition_point(|ns| *ns < 3_000_000_000);
+            for (step, pose) in log.object.pose[first..].iter_mut().enumerate() {
+                pose[0] += 9e-5 * (step.min(100) as f64);
+            }
         }),
         ("a contact is lighter", |log| {
             for contact in &mut log.contacts {

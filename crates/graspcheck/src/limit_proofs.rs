@@ -6,7 +6,7 @@ use graspcheck_motion::trajectory::SMOOTH_TOLERANCE;
 use graspcheck_proof::torque::{TORQUE_TOLERANCE, torque_peaks};
 use graspcheck_recording::Attachment;
 use graspcheck_verify::Resolved;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Name of the attachment.
 pub const LIMITS_JSON: &str = "limits.json";
@@ -15,7 +15,7 @@ pub const LIMITS_JSON: &str = "limits.json";
 pub const LIMITS_SCHEMA: u32 = 1;
 
 /// What is proved of the quantities of all joints.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LimitProofs {
     /// [`LIMITS_SCHEMA`].
     pub schema: u32,
@@ -30,7 +30,7 @@ pub struct LimitProofs {
 }
 
 /// What is proved of one quantity of one joint, in its SI unit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LimitProof {
     /// Name of the joint.
     pub joint: String,
@@ -48,7 +48,7 @@ pub struct LimitProof {
 }
 
 /// What a joint has a limit of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LimitQuantity {
     /// The least position.
@@ -66,7 +66,7 @@ pub enum LimitQuantity {
 }
 
 /// A jump of a derivative of one joint.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Jump {
     /// Name of the joint.
     pub joint: String,

@@ -6,11 +6,16 @@
 use std::fmt;
 
 use graspcheck_checker::{CheckerError, Report};
+use graspcheck_model::plan::Plan;
 use graspcheck_recording::Recording;
 use graspcheck_verify::{CheckResult, Evidence, EvidenceError, Outcome, Resolved, Verdict, judge};
 use serde::Serialize;
 
-use crate::{exit, run::Run};
+use crate::{
+    exit,
+    limit_proofs::{self, LimitProof, LimitProofs, LimitQuantity},
+    run::Run,
+};
 
 /// Numbers of two verdicts on one log differ by no more than this share: sines and cosines of another system's
 /// mathematics do.
@@ -71,6 +76,7 @@ pub fn review(recording: Recording) -> Result<Review, EvidenceError> {
         None => differences.push(whole("verdict", "missing".to_owned(), "a verdict")),
     }
     differences.extend(of_proofs(&proofs, &verdict));
+    differences.extend(of_efforts(&recording, &resolved, &plan));
     let run = Run { recording, verdict, plan, candidates: Vec::new() };
     Ok(Review { run, resolved, proofs, differences })
 }
@@ -100,7 +106,9 @@ impl Review {
             wrong => format!("certificate of {pairs} pairs: {wrong} statements in it are wrong"),
         };
         if *unchecked_limits > 0 {
-            text.push_str(&format!("; {unchecked_limits} bounds on efforts are not among them"));
+            text.push_str(&format!(
+                "; {unchecked_limits} bounds on efforts are found again by the search alone"
+            ));
         } else if *limits == 0 {
             text.push_str("; the log is older than proofs of limits");
         }
@@ -137,6 +145,46 @@ fn of_proofs(proofs: &Result<Report, CheckerError>, verdict: &Verdict) -> Vec<Di
     if is_clear && !(report.violated.is_empty() && report.undecided.is_empty()) {
         let stored = format!("{} violated and {} undecided", report.violated.len(), report.undecided.len());
         differences.push(whole("proof", stored, "clear, by planned.clearance"));
+    }
+    differences
+}
+
+/// Where the bounds on efforts in `limits.json` are not those that are found again. The checker does not validate
+/// them; a document that cannot be decoded it names itself.
+fn of_efforts(recording: &Recording, resolved: &Resolved, plan: &Plan) -> Vec<Difference> {
+    let document = recording.attachment(limit_proofs::LIMITS_JSON);
+    let stored = document.and_then(|it| serde_json::from_slice::<LimitProofs>(&it.data).ok());
+    let Some(stored) = stored else { return Vec::new() };
+    let efforts = |proofs: LimitProofs| {
+        proofs.limits.into_iter().filter(|proof| proof.quantity == LimitQuantity::Effort).collect::<Vec<_>>()
+    };
+    let (stored, found) = (efforts(stored), efforts(limit_proofs::of(resolved, plan)));
+    if stored.len() != found.len() {
+        let count = |proofs: &[LimitProof]| format!("{} bounds on efforts", proofs.len());
+        return vec![whole("proof", count(&stored), &count(&found))];
+    }
+    let mut differences = Vec::new();
+    for (then, now) in stored.iter().zip(&found) {
+        let numbers = [
+            ("limit", then.limit, now.limit),
+            ("bound", then.bound, now.bound),
+            ("peak", then.peak, now.peak),
+            ("time", then.time, now.time),
+        ];
+        let joint = |name: &str| format!("effort of joint {name}");
+        if then.joint != now.joint {
+            differences.push(whole("proof", joint(&then.joint), &joint(&now.joint)));
+        }
+        for (what, then, found) in numbers {
+            if (then - found).abs() > SAME_SHARE * (1.0 + found.abs()) || then.is_nan() {
+                differences.push(Difference {
+                    of: "proof".to_owned(),
+                    what: format!("{}: {what}", joint(&now.joint)),
+                    stored: then.to_string(),
+                    found: found.to_string(),
+                });
+            }
+        }
     }
     differences
 }

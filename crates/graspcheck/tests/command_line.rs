@@ -463,6 +463,17 @@ fn an_edited_log_is_told_by_what_was_edited() {
             ["executed.consistency: value is ", "log    says something else in "],
         ),
         (
+            "effort",
+            |log| {
+                edit_document(log, "limits.json", |proofs| {
+                    let limits = proofs["limits"].as_array_mut().unwrap();
+                    let effort = limits.iter_mut().find(|proof| proof["quantity"] == "effort").unwrap();
+                    scale(&mut effort["bound"], 0.5);
+                });
+            },
+            ["proof: effort of joint shoulder: bound is ", "log    says something else in "],
+        ),
+        (
             "limit",
             |log| {
                 edit_document(log, "resolved.json", |resolved| {

@@ -10,7 +10,7 @@
 //! | `measured` efforts of the arm | the commanded ones, cut off at the limits, where drives are perfect |
 //! | `measured` efforts of the fingers | the forces of their contacts with the object |
 //! | `measured` and `object`: velocities | differences of positions, before and after the row |
-//! | `measured` and `object`: positions | the velocities at both ends of the step |
+//! | `measured` and `object`: positions | the velocities at both ends of the step, and the way that velocities make from the start |
 //! | `object`, `tool`: names | the object of the run, the tool |
 //! | `monitor` | phase, tracking error, opening, saturated joints and grip force of the row |
 
@@ -38,6 +38,17 @@ const SAME: f64 = 1e-7;
 /// of the velocity that the joint's largest acceleration gives it in one step: a step of the integrator is of
 /// first order in that, and contacts accelerate an arm beyond its limit.
 const SHARE_OF_STEP: f64 = 4.0;
+
+/// How far the way by velocities may be from that by positions, as a share of the way of the largest speed in one step.
+/// Each step may miss a little, but not always to one side: where speed changes half a step adds up, and constraints
+/// between joints and contacts move a body without giving it speed. An edit of less than this is not seen.
+const DRIFT_SHARE: f64 = 1.5;
+
+/// What comes on top of that: for a slide or the object, m; for a turn, rad; for a finger, which is held to the other by
+/// a constraint, m. Runs at the limits of both arms were seen to have two thirds of it.
+const SLIDE_DRIFT: f64 = 3e-4;
+const TURN_DRIFT: f64 = 2e-3;
+const FINGER_DRIFT: f64 = 5e-3;
 
 /// The same for fingers and the object's points, which contacts accelerate without a limit, m/s: twice and more
 /// what runs were seen to have whose fingers close at 20 mm/s or whose cube is dropped.
@@ -292,14 +303,12 @@ impl<'e, 'r> Streams<'e, 'r> {
             let smooth = SHARE_OF_STEP * dt * model.limits.acceleration;
             let allowed: Vec<f64> = hit.iter().map(|hit| if *hit { f64::INFINITY } else { smooth }).collect();
             let unit = Unit::of_derivative(model.kind, 1);
-            let (positions, velocities) = (self.measured.positions(joint), self.measured.velocities(joint));
-            let column = Column { stream: "measured", name: &model.name, allowed: &allowed, unit };
-            column.check(
-                faults,
-                &self.times,
-                &positions.collect::<Vec<_>>(),
-                &velocities.collect::<Vec<_>>(),
-            );
+            let positions: Vec<f64> = self.measured.positions(joint).collect();
+            let velocities: Vec<f64> = self.measured.velocities(joint).collect();
+            let rest = if model.kind == JointKind::Revolute { TURN_DRIFT } else { SLIDE_DRIFT };
+            let drift = rest + DRIFT_SHARE * dt * largest(velocities.iter().copied());
+            let column = Column { stream: "measured", name: &model.name, allowed: &allowed, drift, unit };
+            column.check(faults, &self.times, &positions, &velocities);
         }
         for (finger, model) in resolved.robot.gripper.fingers.iter().enumerate() {
             let (positions, velocities) = (self.fingers.positions(finger), self.fingers.velocities(finger));
@@ -310,6 +319,7 @@ impl<'e, 'r> Streams<'e, 'r> {
                 stream: "measured",
                 name: &model.joint,
                 allowed: &allowed,
+                drift: FINGER_DRIFT,
                 unit: Unit::MeterPerSecond,
             };
             column.check(
@@ -321,6 +331,7 @@ impl<'e, 'r> Streams<'e, 'r> {
         }
         let Some(object) = &resolved.object else { return };
         let allowed = self.contact_speeds(&[object.name.as_str()], object.mass);
+        let fastest = largest(self.object.iter().map(|sample| sample.linear.norm()));
         for axis in 0..3 {
             let positions: Vec<f64> =
                 self.object.iter().map(|sample| sample.world_from_body.translation.vector[axis]).collect();
@@ -329,6 +340,7 @@ impl<'e, 'r> Streams<'e, 'r> {
                 stream: "object",
                 name: "its origin",
                 allowed: &allowed,
+                drift: SLIDE_DRIFT + DRIFT_SHARE * dt * fastest,
                 unit: Unit::MeterPerSecond,
             };
             column.check(faults, &self.times, &positions, &velocities);
@@ -461,6 +473,8 @@ struct Column<'c> {
     name: &'c str,
     /// What they may miss of each other in each row, rad/s or m/s.
     allowed: &'c [f64],
+    /// How far the way by velocities may be from that by positions, rad or m.
+    drift: f64,
     unit: Unit,
 }
 
@@ -469,6 +483,7 @@ impl Column<'_> {
     /// between the velocities at its ends: both hold for any step in which the velocity goes one way, however
     /// hard something is hit.
     fn check(&self, faults: &mut Faults, times: &[f64], positions: &[f64], velocities: &[f64]) {
+        self.check_way(faults, times, positions, velocities);
         let mean = |step: usize| (positions[step + 1] - positions[step]) / (times[step + 1] - times[step]);
         for step in 0..positions.len().saturating_sub(1) {
             let off = outside(mean(step), [velocities[step], velocities[step + 1]]);
@@ -485,6 +500,33 @@ impl Column<'_> {
             }
         }
     }
+}
+
+impl Column<'_> {
+    /// Positions go where velocities lead, until something crashes into the arm.
+    fn check_way(&self, faults: &mut Faults, times: &[f64], positions: &[f64], velocities: &[f64]) {
+        let mut way = 0.0;
+        for step in 0..positions.len().saturating_sub(1) {
+            let dt = times[step + 1] - times[step];
+            way += 0.5 * (velocities[step] + velocities[step + 1]) * dt;
+            if self.allowed[step + 1] == f64::INFINITY {
+                return;
+            }
+            let off = (positions[step + 1] - positions[0] - way).abs();
+            if exceeds(off, self.drift) {
+                let what = format!("way of {}", self.name);
+                let unit = if self.unit == Unit::RadianPerSecond { Unit::Radian } else { Unit::Meter };
+                // Once it is off it stays off.
+                faults.hold(times[step + 1], self.stream, &what, off, self.drift, unit);
+                return;
+            }
+        }
+    }
+}
+
+/// The largest magnitude.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |most, value| f64::max(most, value.abs()))
 }
 
 /// Whether something is farther apart than allowed. A NaN is a fault.
