@@ -251,7 +251,12 @@ fn halley_root<const N: usize>(function: &Polynomial, start: Extremum, end: Extr
     /// Bisection alone meets the spacing of floats within as many steps as a float has bits.
     const MAX_STEPS: usize = 128;
 
+    /// A root is taken when the sign changes within this share of the bracket beyond it: where slope and value are
+    /// small the method makes small steps far from any root.
+    const SIGN_CHANGES: f64 = 1e-9;
+
     let last_step = LAST_STEP * (end.tau - start.tau);
+    let slack = SIGN_CHANGES * (end.tau - start.tau);
     let rising = start.value < 0.0;
     let [mut low, mut high] = [start.tau, end.tau];
     // Where the chord is zero: nearer than the middle, also where the slope is zero at both ends.
@@ -268,13 +273,24 @@ fn halley_root<const N: usize>(function: &Polynomial, start: Extremum, end: Extr
         let halley = tau - value * slope / (slope * slope - value * half_curvature);
         // At the root itself the step is zero. False for NaN as well, which a slope of zero makes.
         let converges = halley >= low && halley <= high && (halley - tau).abs() <= 0.5 * step_before;
-        let next = if converges { halley } else { 0.5 * (low + high) };
+        let mut next = if converges { halley } else { 0.5 * (low + high) };
         let step = (next - tau).abs();
-        tau = next;
-        if step == 0.0 || (converges && step <= last_step) {
+        if value == 0.0 || (step == 0.0 && !converges) {
             break;
         }
-        step_before = step;
+        if converges && step <= last_step {
+            let is_below = (value < 0.0) == rising;
+            let away = slack.max(4.0 * step);
+            let beyond = if is_below { next + away } else { next - away };
+            let is_outside = beyond <= low || beyond >= high;
+            if is_outside || (function.eval(beyond)[0] < 0.0) != (value < 0.0) {
+                return next;
+            }
+            *(if is_below { &mut low } else { &mut high }) = beyond;
+            next = 0.5 * (low + high);
+        }
+        step_before = (next - tau).abs();
+        tau = next;
     }
     tau
 }
@@ -306,6 +322,27 @@ mod tests {
     fn assert_extremum(found: Extremum, value: f64, tau: f64, tolerance: f64) {
         assert!((found.value - value).abs() <= tolerance, "{found:?} is not {value}");
         assert!((found.tau - tau).abs() <= tolerance, "{found:?} is not at {tau}");
+    }
+
+    /// At the chord's point the slope is nearly zero, and so is Halley's step.
+    #[test]
+    fn a_small_step_is_no_root() {
+        let quintic = Polynomial::new([0.0, -1.0, 0.0, 0.0, 0.0, 1000.0]);
+        let [low, _] = quintic.range(0, 0.0, 4.0);
+        let at = 5000.0_f64.powf(-0.25);
+        assert!((low.tau - at).abs() < 1e-9, "{low:?}");
+        assert!((low.value + 0.8 * at).abs() < 1e-12, "{low:?}");
+        // Sizes far apart on one piece: no sample is below the least value.
+        for k in 0..60 {
+            let [a, b] = [10.0_f64.powi(k % 7 - 3), 10.0_f64.powi(k % 5 - 1)];
+            let septic = Polynomial::new([0.0, -a, 0.3 * b, 0.0, -b, 0.0, 0.0, 10.0 * a * b]);
+            let [low, high] = septic.range(0, 0.0, 3.0);
+            for step in 0..=3000 {
+                let value = septic.eval(f64::from(step) * 1e-3)[0];
+                let slack = 1e-12 * (1.0 + high.value.abs());
+                assert!(value >= low.value - slack && value <= high.value + slack, "{k}: {value}, {low:?}");
+            }
+        }
     }
 
     #[test]

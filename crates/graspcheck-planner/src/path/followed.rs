@@ -88,14 +88,14 @@ impl FollowedPath {
     /// # Errors
     /// The first place at which the branch cannot be followed and why, or what is wrong with `from`.
     pub fn new(robot: &RobotModel, path: &ToolPath, from: &[f64]) -> Result<Self, FollowError> {
-        if from.len() != robot.dof() {
-            return Err(FollowError::JointCount { count: from.len(), dof: robot.dof() });
-        }
         Self::of_arm(&Arm::new(robot)?, path, from)
     }
 
     /// As [`FollowedPath::new`], for an arm that is measured already.
     pub(crate) fn of_arm(arm: &Arm, path: &ToolPath, from: &[f64]) -> Result<Self, FollowError> {
+        if from.len() != arm.robot.dof() {
+            return Err(FollowError::JointCount { count: from.len(), dof: arm.robot.dof() });
+        }
         let (here, start) = (arm.robot.world_from_tool(from), path.pose(path.start()));
         let distance = (here.translation.vector - start.translation.vector).norm();
         let angle = here.rotation.angle_to(&start.rotation);
