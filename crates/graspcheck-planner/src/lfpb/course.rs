@@ -60,9 +60,17 @@ impl Course {
         }
         for segment in 0..last {
             let [first, second] = [segment, segment + 1].map(|place| self.share(place, &solution));
-            self.check_room(segment, first + second, Some(&solution))?;
+            // A blend that reached beyond the middle would bend the line at the point itself.
+            let needed =
+                if self.is_bracket(segment) { 2.0 * f64::max(first, second) } else { first + second };
+            self.check_room(segment, needed, Some(&solution))?;
         }
         Ok(solution)
+    }
+
+    /// Whether a segment joins the pseudo via points of one point, which is to be met in its middle.
+    fn is_bracket(&self, segment: usize) -> bool {
+        matches!(self.places[segment..segment + 2], [Place::Before(a), Place::After(b)] if a == b)
     }
 
     /// How long the blend at a place takes for this change of velocity, s.
@@ -195,7 +203,12 @@ impl Course {
         let (longest, change) = match (self.lies_inside(place), self.lies_inside(other)) {
             (false, _) => {
                 let solution = solution?;
-                (2.0 * (available - self.share(other, solution)), solution.change(place).abs())
+                let is_half = self.is_bracket(segment);
+                if is_half && self.share(other, solution) > 0.5 * available * (1.0 + ROUNDING) {
+                    return None;
+                }
+                let room = if is_half { 0.5 * available } else { available - self.share(other, solution) };
+                (2.0 * room, solution.change(place).abs())
             }
             // No line is left of a single segment: the mean velocity is half of the peak.
             (true, true) => {

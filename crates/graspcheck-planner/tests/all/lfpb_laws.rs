@@ -144,6 +144,21 @@ fn points_that_cannot_be_met_say_why() {
     );
 }
 
+/// Blends that both fit between the pseudo via points, one of them beyond the middle, where the point is.
+#[test]
+fn a_blend_that_bends_the_line_at_the_point_is_too_long() {
+    let end = |time, position| LfpbPoint::near(time, position, Blend::Duration(0.2));
+    let points = |acceleration| {
+        let met = LfpbPoint::met(2.0, 1.0, Blend::Acceleration(acceleration), 0.3);
+        [end(0.0, 0.0), met, end(4.0, 1.0)]
+    };
+    let error = Lfpb::new(&points(0.55), BlendEnds::Inside).unwrap_err();
+    let LfpbError::BlendsOverlap { remedies, .. } = &error else { panic!("{error}") };
+    let Some(Remedy { blend: Blend::Acceleration(least), .. }) = remedies.first() else { panic!("{error}") };
+    let motion = Lfpb::new(&points(*least), BlendEnds::Inside).unwrap();
+    assert!((motion.eval(2.0)[0] - 1.0).abs() < 1e-12);
+}
+
 #[test]
 fn an_acceleration_that_is_too_small_says_the_least_that_would_do() {
     let points = |first: Blend, second: Blend| {
