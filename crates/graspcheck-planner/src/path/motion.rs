@@ -28,7 +28,7 @@ use crate::{
     arm::Arm,
     branch::Located,
     retime,
-    time_scaling::{ScalingError, TimeScaling},
+    time_scaling::{ScalingError, TimeScaling, error::positive},
 };
 
 /// How near the joint polynomials of a path come to it.
@@ -220,6 +220,14 @@ fn s_curve(
     end: f64,
     share: f64,
 ) -> Result<Trajectory, AlongError> {
+    // The least of several numbers would pass over one that is not a number.
+    for limits in arm.robot.joints.iter().map(|joint| &joint.limits) {
+        for (name, limit) in
+            [("velocity", limits.velocity), ("acceleration", limits.acceleration), ("jerk", limits.jerk)]
+        {
+            positive(name, limit)?;
+        }
+    }
     let mut least = [f64::INFINITY; 3];
     for k in 0..=SHAPE_PLACES {
         let s = start + (end - start) * f64::from(k) / f64::from(SHAPE_PLACES);
