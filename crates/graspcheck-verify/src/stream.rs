@@ -164,11 +164,6 @@ pub(crate) fn reference_tool(evidence: &Evidence<'_>) -> Result<Vec<PoseSample>,
     poses("reference_tool", &evidence.recording.reference_tool, evidence)
 }
 
-/// Commanded poses of the tool frame.
-pub(crate) fn commanded_tool(evidence: &Evidence<'_>) -> Result<Vec<PoseSample>, Gap> {
-    poses("reference_tool", &evidence.recording.reference_tool, evidence)
-}
-
 /// Measured poses of the object.
 pub(crate) fn object(evidence: &Evidence<'_>) -> Result<Vec<PoseSample>, Gap> {
     poses("object", &evidence.recording.object, evidence)

@@ -118,7 +118,7 @@ impl Motion {
             measured: columns(&stream::JointStream::measured(evidence)?),
             commanded: columns(&stream::JointStream::commanded(evidence)?),
             tool: stream::tool(evidence)?,
-            commanded_tool: stream::commanded_tool(evidence)?,
+            commanded_tool: stream::reference_tool(evidence)?,
         };
         let steps = motion.tool.len();
         let lengths = motion.measured.iter().chain(&motion.commanded).map(|samples| samples.position.len());
